@@ -127,57 +127,26 @@ class Stage(Model):
 
 
 class Staged(NamedTuple):
-    """Data of a stage from previous stages.
+    """Data of a stage from previous stages."""
 
-    Attributes
-    ----------
-    number : int
-        Number of the stage; 0 is the case itself.
-    name : str
-        Empty for number 0.
-    start : float
-        Time at which the stage begins.
-    counted : float
-        Time from which its fixed steps are counted: the time at which they got this length.
-    removed : tuple of str
-        Removed bodies of a material.
-    escapes : bool
-        Whether particles may leave, in this stage or a previous one.
-    damped : bool
-        Whether a previous stage has damping.
-    displacements : dict of str to tuple
-        Displacements that constraints have prescribed in previous stages, to be added.
-    angles : dict of str to float
-        Likewise the angles of rotation.
-    profile_offsets : dict of str to float
-        Likewise the ways of the profiles of loads.
-    rebonds : bool
-        Whether a stage has given other entries of contact, which may bond bodies anew.
-    settled : bool
-        Whether a previous stage after the first has come to rest.
-    added : tuple of str
-        Bodies that have come in this stage or a previous one.
-    awaited : dict of str to int
-        Bodies that come in later stages, with their numbers.
-    stress : InitialStress or None
-        The stress with which bodies begin.
-    """
-
-    number: int = 0
-    name: str = ""
-    start: float = 0.0
+    number: int = 0  #: Number of the stage; 0 is the case itself.
+    name: str = ""  #: Empty for number 0.
+    start: float = 0.0  #: Time at which the stage begins.
+    #: Time from which its fixed steps are counted: the time at which they got this length.
     counted: float = 0.0
-    removed: tuple[str, ...] = ()
-    escapes: bool = False
+    removed: tuple[str, ...] = ()  #: Removed bodies of a material.
+    escapes: bool = False  #: Whether particles may leave, in this stage or a previous one.
+    #: Displacements that constraints have prescribed in previous stages, to be added.
     displacements: Mapping[str, tuple[float, ...]] = {}
+    #: Whether a stage has given other entries of contact, which may bond bodies anew.
     rebonds: bool = False
-    damped: bool = False
-    settled: bool = False
-    added: tuple[str, ...] = ()
-    awaited: Mapping[str, int] = {}
-    stress: Any = None
-    angles: Mapping[str, float] = {}
-    profile_offsets: Mapping[str, float] = {}
+    damped: bool = False  #: Whether a previous stage has damping.
+    settled: bool = False  #: Whether a previous stage after the first has come to rest.
+    added: tuple[str, ...] = ()  #: Bodies that have come in this stage or a previous one.
+    awaited: Mapping[str, int] = {}  #: Bodies that come in later stages, with their numbers.
+    stress: Any = None  #: InitialStress or None: The stress with which bodies begin.
+    angles: Mapping[str, float] = {}  #: Likewise the angles of rotation.
+    profile_offsets: Mapping[str, float] = {}  #: Likewise the ways of the profiles of loads.
 
     @property
     def title(self) -> str:

@@ -32,13 +32,7 @@ _LARGEST = 1 << 20
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command line.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-        The parser to add to.
-    """
+    """Declare the command line."""
     add = parser.add_argument
     add("case", metavar="CASE.yaml", type=_line, help="the case file")
     add("--ranks", metavar="N", type=_count, required=True, help="number of ranks")
@@ -103,11 +97,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     """Run the command.
-
-    Parameters
-    ----------
-    args : argparse.Namespace
-        Arguments declared by `add_arguments`.
 
     Returns
     -------

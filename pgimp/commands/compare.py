@@ -24,13 +24,7 @@ _MOST_LINES = 20
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command line of a comparison.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-        The parser to add to.
-    """
+    """Declare the command line of a comparison."""
     parser.add_argument("first", metavar="DIR1", help="a run directory")
     parser.add_argument("second", metavar="DIR2", help="another run directory")
     parser.add_argument(
@@ -51,11 +45,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     """Compare two run directories.
-
-    Parameters
-    ----------
-    args : argparse.Namespace
-        Arguments declared by `add_arguments`.
 
     Returns
     -------

@@ -22,13 +22,7 @@ _OTHERS = ("stress-", "exact-")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command line.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-        The parser to add to.
-    """
+    """Declare the command line."""
     parser.add_argument("case", metavar="CASE.yaml", help="the case file")
     parser.add_argument("material", metavar="MATERIAL", help="the name of one of its materials")
     parser.add_argument("--path", required=True, metavar="PATH", help=f"one of {', '.join(PATHS)}")

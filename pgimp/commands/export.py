@@ -17,13 +17,7 @@ _PARTS = (3, 3600)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command line.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-        The parser to add to.
-    """
+    """Declare the command line."""
     parser.add_argument(
         "format",
         metavar="FORMAT",

@@ -29,13 +29,7 @@ _OTHER_WAY = re.compile(r"\n#? *\(or: scripts/run [^)]*\)|[ \t]*\(or: scripts/ru
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command line.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-        The parser to add to.
-    """
+    """Declare the command line."""
     parser.add_argument("name", nargs="?", metavar="NAME", help="the case; without, all are listed")
     parser.add_argument(
         "--case",

@@ -35,13 +35,7 @@ _LONGEST_NAME = 120
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command line.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-        The parser to add to.
-    """
+    """Declare the command line."""
     parser.add_argument("directories", metavar="DIR", nargs="+", help="run directories")
     history = parser.add_argument_group("curves over time, unless a frame is asked for")
     history.add_argument(

@@ -10,13 +10,7 @@ from pgimp.io.rundir.ownfiles import REPORT, RUN
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command line.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-        The parser to add to.
-    """
+    """Declare the command line."""
     parser.add_argument("directory", metavar="DIR", help="the directory of a run, or of a study")
     parser.add_argument(
         "-o", "--output", metavar="FILE.html", help=f"the page (default: {REPORT} in DIR)"

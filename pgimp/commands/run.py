@@ -34,13 +34,7 @@ STOPPED = 75
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command line of a run.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-        The parser to add to.
-    """
+    """Declare the command line of a run."""
     parser.add_argument("case", metavar="CASE.yaml", help="the case file")
     parser.add_argument(
         "-o",
@@ -75,11 +69,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     """Run the case that the command line names; collective.
-
-    Parameters
-    ----------
-    args : argparse.Namespace
-        Arguments declared by `add_arguments`.
 
     Returns
     -------

@@ -36,13 +36,7 @@ _REFRESHES = 2.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command line.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-        The parser to add to.
-    """
+    """Declare the command line."""
     parser.add_argument("study", metavar="STUDY.yaml", help="the study file")
     parser.add_argument(
         "-o",

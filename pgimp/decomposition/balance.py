@@ -60,7 +60,7 @@ class Balance:
         decision.
     move_cost : float
         Cost of a move, in steps of the particles that move, see `_MOVE_COST`; measured on rank 0.
-    total : int
+    total
         Particles of all ranks at the last report.
     imbalance : float or None
         Busiest rank's time in the kernels over the mean, less one, in the last report.

@@ -50,8 +50,6 @@ class Halo:
 
     Parameters
     ----------
-    comm : communicator
-        Of all ranks.
     slab : Slab
         This rank's slab.
     shared : int

@@ -111,8 +111,6 @@ class Migration:
 
     Parameters
     ----------
-    comm : communicator
-        Of all ranks.
     slab : Slab
         This rank's slab.
     particles : Particles

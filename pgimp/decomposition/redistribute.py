@@ -35,8 +35,6 @@ def redistribute(
 
     Parameters
     ----------
-    comm : communicator
-        Of all ranks.
     old, new : list of int
         Results of `cut`, equal on every rank.
     extra : int

@@ -27,24 +27,15 @@ _BLOCK = 1 << 16
 
 
 class DistanceField(NamedTuple):
-    """Distances and normals on a lattice.
+    """Distances and normals on a lattice."""
 
-    Attributes
-    ----------
-    low : (3,) float64
-        First point of the lattice; 0 in directions that the scene does not have.
-    spacing : float
-        Spacing of its points.
-    shape : (3,) int64
-        Number of points along each direction; 1 where the scene has none.
-    values : (points, 5) float64
-        Distance, negative inside; unit vector away from the body; mean distance over a vertex's
-        neighbourhood if the body is not turned. Points in C order.
-    """
-
+    #: (3,) float64: First point of the lattice; 0 in directions that the scene does not have.
     low: NDArray[np.float64]
-    spacing: float
+    spacing: float  #: Spacing of its points.
+    #: (3,) int64: Number of points along each direction; 1 where the scene has none.
     shape: NDArray[np.int64]
+    #: (points, 5) float64: Distance, negative inside; unit vector away from the body; mean distance
+    #: over a vertex's neighbourhood if the body is not turned. Points in C order.
     values: NDArray[np.float64]
 
     @property

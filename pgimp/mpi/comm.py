@@ -31,24 +31,12 @@ class SharedUsageError(UsageError):
 
 
 class Launcher(NamedTuple):
-    """The program that started this process as one rank of many, by the environment.
+    """The program that started this process as one rank of many, by the environment."""
 
-    Attributes
-    ----------
-    name : str
-        The name of the launcher, for messages.
-    size : int or None
-        Number of ranks it started; None if unknown.
-    rank : int
-        Number of this process among them.
-    variable : str
-        Where the environment has that number.
-    """
-
-    name: str
-    size: int | None
-    rank: int
-    variable: str = ""
+    name: str  #: The name of the launcher, for messages.
+    size: int | None  #: Number of ranks it started; None if unknown.
+    rank: int  #: Number of this process among them.
+    variable: str = ""  #: Where the environment has that number.
 
 
 def launcher(environ: Mapping[str, str] | None = None) -> Launcher | None:
@@ -290,8 +278,6 @@ def abort_together(comm: Communicator, error: BaseException, speak: Callable[[],
 
     Parameters
     ----------
-    comm : communicator
-        Of all ranks.
     error : BaseException
         The reason; it has the exit status.
     speak : callable

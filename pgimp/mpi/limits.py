@@ -11,24 +11,12 @@ _NO_LIMIT = 2**60
 
 
 class Limit(NamedTuple):
-    """Memory that some processes may still take together.
+    """Memory that some processes may still take together."""
 
-    Attributes
-    ----------
-    shared_by : str
-        Key common to all processes that share it, and to no others.
-    name : str
-        Source of the limit, as text.
-    free : int
-        Bytes.
-    addresses : bool
-        Whether memory that is allocated but never touched counts.
-    """
-
-    shared_by: str
-    name: str
-    free: int
-    addresses: bool = False
+    shared_by: str  #: Key common to all processes that share it, and to no others.
+    name: str  #: Source of the limit, as text.
+    free: int  #: Bytes.
+    addresses: bool = False  #: Whether memory that is allocated but never touched counts.
 
 
 def limits(root: str = "/") -> list[Limit]:

@@ -197,8 +197,6 @@ def together(comm: Communicator, act: str) -> Iterator[None]:
 
     Parameters
     ----------
-    comm : communicator
-        Of all ranks.
     act : str
         The act, with its arguments: equal on all.
 

@@ -27,8 +27,6 @@ def require_same(comm: Communicator, what: str, content: str) -> None:
 
     Parameters
     ----------
-    comm : communicator
-        Of all ranks.
     what : str
         The ranks' common act, for messages.
     content : str

@@ -17,17 +17,12 @@ from pgimp.schema.tables import VaryingVector, VectorFunction
 
 
 class Pose(NamedTuple):
-    """Position and rotation of a rigid body.
+    """Position and rotation of a rigid body."""
 
-    Attributes
-    ----------
-    centre : (3,) float
-        Reference point: of its rotation, else the origin of coordinates displaced with the body.
-    turn : tuple of 9 float
-        Rotation matrix, row-major, from the initial to the present orientation.
-    """
-
+    #: (3,) float: Reference point: of its rotation, else the origin of coordinates displaced with
+    #: the body.
     centre: Triple
+    #: tuple of 9 float: Rotation matrix, row-major, from the initial to the present orientation.
     turn: tuple[float, ...]
 
 

@@ -15,57 +15,30 @@ TENSOR = "xx yy zz xy yz xz"
 
 
 class Fills(NamedTuple):
-    """What each body's particles fill at most: without the voids of what flows.
+    """What each body's particles fill at most: without the voids of what flows."""
 
-    Attributes
-    ----------
-    most : (bodies,) float64
-        Greatest J without voids; infinite where there is no limit.
-    gap : (bodies,) int64
-        State column of the gap by which a particle has opened; -1 for others.
-    """
-
-    most: Array
+    most: Array  #: (bodies,) float64: Greatest J without voids; infinite where there is no limit.
+    #: (bodies,) int64: State column of the gap by which a particle has opened; -1 for others.
     gap: Array
 
 
 class Source(NamedTuple):
-    """Data from which fields are computed.
+    """Data from which fields are computed."""
 
-    Attributes
-    ----------
-    particles : Particles
-        The rank's particles, in storage order with holes.
-    rows : ndarray of int64, shape (n,)
-        Storage indices of the selected particles.
-    dimension : int
-        Dimensions of the case: 1, 2 or 3.
-    body_material : tuple of int
-        The material of each body.
-    rank : int
-        The rank.
-    periods : tuple of (float, float)
-        Low end and period of the domain by direction, 0 where it is not periodic; () without any.
-    plate : bool
-        Whether the particles are parts of a plate, in plane stress.
-    energy : callable or None
-        Takes particles and rows; returns the strain energy per initial volume.
-    instead : mapping of str to ndarray
-        Columns of the selected particles in place of those of `particles`.
-    fills : Fills or None
-        Voids that do not count in volumes; None if there are none.
-    """
-
-    particles: Any
-    rows: Array
-    dimension: int
-    body_material: tuple[int, ...]
+    particles: Any  #: Particles: The rank's particles, in storage order with holes.
+    rows: Array  #: ndarray of int64, shape (n,): Storage indices of the selected particles.
+    dimension: int  #: Dimensions of the case: 1, 2 or 3.
+    body_material: tuple[int, ...]  #: The material of each body.
     rank: int = 0
+    #: tuple of (float, float): Low end and period of the domain by direction, 0 where it is not
+    #: periodic; () without any.
     periods: tuple[tuple[float, float], ...] = ()
-    plate: bool = False
+    plate: bool = False  #: Whether the particles are parts of a plate, in plane stress.
+    #: Takes particles and rows; returns the strain energy per initial volume.
     energy: Callable[[Any, Array], Array] | None = None
+    #: Columns of the selected particles in place of those of `particles`.
     instead: Mapping[str, Array] = MappingProxyType({})
-    fills: Fills | None = None
+    fills: Fills | None = None  #: Voids that do not count in volumes; None if there are none.
 
     def take(self, symbol: str) -> Array:
         """Return the selected rows of an array of the particles: (n,) or (n, k)."""
@@ -110,27 +83,14 @@ def within(x: Array, periods: Sequence[tuple[float, float]]) -> Array:
 
 
 class Field(NamedTuple):
-    """A quantity of a particle: its function, meaning and format in frames.
+    """A quantity of a particle: its function, meaning and format in frames."""
 
-    Attributes
-    ----------
-    values : callable
-        Takes a `Source`; returns an array of shape (n,) or (n, columns).
-    meaning : str
-        With the unit in square brackets where there is one.
-    components : str
-        Names of the components in order; empty for a scalar.
-    kind : str
-        The attribute type that XDMF readers need.
-    dtype : str
-        Type in the file.
-    """
-
+    #: Takes a `Source`; returns an array of shape (n,) or (n, columns).
     values: Callable[[Source], Array]
-    meaning: str
-    components: str = ""
-    kind: str = "Scalar"
-    dtype: str = "<f8"
+    meaning: str  #: With the unit in square brackets where there is one.
+    components: str = ""  #: Names of the components in order; empty for a scalar.
+    kind: str = "Scalar"  #: The attribute type that XDMF readers need.
+    dtype: str = "<f8"  #: Type in the file.
 
     @property
     def columns(self) -> int:

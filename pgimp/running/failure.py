@@ -52,8 +52,6 @@ def write(directory: Path, sim: Simulation, text: str, history: Path) -> Path | 
 
     Parameters
     ----------
-    directory : Path
-        The run directory.
     sim : Simulation
         After `advance` has raised the error.
     text : str
@@ -139,18 +137,12 @@ def _clear(folder: Path) -> None:
 
 
 class _Found(NamedTuple):
-    """A rank's listed particles at fault.
+    """A rank's listed particles at fault."""
 
-    Attributes
-    ----------
-    rows, kinds : (n,) int64
-        Their rows and errors, in canonical order.
-    places : (n, D)
-        Their positions, present or else previous, in cells from the domain's origin.
-    """
-
+    #: rows, kinds: (n,) int64: Their rows and errors, in canonical order.
     rows: Array
     kinds: Array
+    #: (n, D): Their positions, present or else previous, in cells from the domain's origin.
     places: Array
 
 

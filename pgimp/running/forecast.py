@@ -63,8 +63,6 @@ def warnings(case: Case, steps: float) -> Iterator[Warned]:
 
     Parameters
     ----------
-    case : Case
-        The case.
     steps : float
         Approximate number of steps.
     """

@@ -28,8 +28,6 @@ class Frames(Series):
         The run directory; the same on every rank.
     case : Case
         Gives the title, the units and the optional fields.
-    sim : Simulation
-        The run.
     """
 
     def __init__(self, directory: Path, case: Case, sim: Simulation) -> None:

@@ -40,8 +40,6 @@ class GridFrames(Series):
         The run directory; the same on every rank.
     case : Case
         Gives the title, the units and the quantities.
-    sim : Simulation
-        The run.
     """
 
     def __init__(self, directory: Path, case: Case, sim: Simulation) -> None:

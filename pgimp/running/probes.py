@@ -25,34 +25,20 @@ _Place = Annotated[list[float], Field(min_length=1, max_length=3)]
 
 
 class Record(BaseModel):
-    """Record of a probe in a checkpoint.
-
-    Attributes
-    ----------
-    body : str or None
-        Body in the case; None for a fixed position.
-    at : list of float
-        Position in the case.
-    number, origin : int, list of float
-        Id of the followed particle, and where its displacement counts from; -1 and `at` for a
-        fixed position.
-    line : int
-        Step of the last line that is safe on disk.
-    lines : int or None
-        Number of lines up to it; None if unknown.
-    fields : list of str
-        Derived fields in further columns.
-    """
+    """Record of a probe in a checkpoint."""
 
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
 
-    body: str | None
-    at: _Place
+    body: str | None  #: Body in the case; None for a fixed position.
+    at: _Place  #: list of float: Position in the case.
+    #: number, origin: int, list of float: Id of the followed particle, and where its displacement
+    #: counts from; -1 and `at` for a fixed position.
     number: int = Field(ge=-1, le=2**53)
     origin: _Place
-    line: int = Field(ge=-1, le=2**53)
+    line: int = Field(ge=-1, le=2**53)  #: Step of the last line that is safe on disk.
+    #: Number of lines up to it; None if unknown.
     lines: int | None = Field(default=None, ge=0, le=2**53)
-    fields: list[str] = Field(default=[], max_length=100)
+    fields: list[str] = Field(default=[], max_length=100)  #: Derived fields in further columns.
 
 
 #: A probe in the case.
@@ -132,12 +118,8 @@ class Probes:
 
     Parameters
     ----------
-    directory : Path
-        The run directory.
     case : Case
         The case with the probes.
-    sim : Simulation
-        The run.
     """
 
     def __init__(self, directory: Path, case: Case, sim: Simulation) -> None:

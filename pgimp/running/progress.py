@@ -67,8 +67,6 @@ class Progress:
     ----------
     log : Log
         Receives plain lines; its terminal lines appear above the bar.
-    sim : Simulation
-        The run.
     end : float
         Simulated time at the end of the run.
     columns : int

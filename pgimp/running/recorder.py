@@ -40,12 +40,10 @@ class Recorder:
 
     Attributes
     ----------
-    frames : Frames
-    grid : GridFrames
-    rigid : RigidFrames
-    history : History
-    probes : Probes
-    checkpoints : Checkpoints
+    grid
+        GridFrames.
+    rigid
+        RigidFrames.
     seconds : dict of str to float
         Time of this rank for each; the grid's frames count as frames, probes as history.
     """

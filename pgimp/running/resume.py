@@ -46,8 +46,6 @@ def resume(
     ----------
     case : Case
         The present case.
-    comm : communicator
-        Of all ranks.
     directory : RunDirectory
         Claimed for this run.
     log : Log

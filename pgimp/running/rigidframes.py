@@ -34,8 +34,6 @@ class RigidFrames(Series):
         The run directory; the same on every rank.
     case : Case
         Gives the title and the units.
-    sim : Simulation
-        The run.
     """
 
     def __init__(self, directory: Path, case: Case, sim: Simulation) -> None:

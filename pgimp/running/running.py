@@ -27,8 +27,6 @@ def advance(
 
     Parameters
     ----------
-    case : Case
-        The case.
     sim : Simulation
         At its start, or as resumed.
     about : About or None

@@ -21,8 +21,6 @@ class SceneFlows:
 
     Parameters
     ----------
-    case : Case
-        The case.
     materials : sequence of Material
         Materials in use.
     material_of : (bodies,) int64

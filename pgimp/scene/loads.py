@@ -50,8 +50,6 @@ class SceneLoads:
 
     Parameters
     ----------
-    case : Case
-        The case.
     materials : list of str
         Names of the materials in use, in the order of their parameters.
     forces : (NamedTuple or (), SceneWater or None)

@@ -25,7 +25,7 @@ class Scene:
 
     Attributes
     ----------
-    case : Case
+    case
         The stage's, with the inertia of mass scaling.
     dimension : int
         Directions D of the scene.

@@ -21,8 +21,6 @@ class SurfaceLoads:
 
     Parameters
     ----------
-    case : Case
-        The case.
     follows : dict of str to bool
         Whether the size of each body's particles follows the deformation.
 

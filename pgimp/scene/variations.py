@@ -24,25 +24,15 @@ Reals = np.ndarray
 
 
 class ParticleParameters(NamedTuple):
-    """Parameters of particles whose material varies, (n, ...) each.
+    """Parameters of particles whose material varies, (n, ...) each."""
 
-    Attributes
-    ----------
-    columns : (n, width) float64
-        Parameters of the kernels that vary, and values of the case.
-    density, pressure : (n,) float64
-        At the start.
-    state : (n, k) float64
-        State at the start.
-    values : (n, keys) float64
-        Values of the varying keys.
-    """
-
+    #: (n, width) float64: Parameters of the kernels that vary, and values of the case.
     columns: Reals
+    #: density, pressure: (n,) float64: At the start.
     density: Reals
     pressure: Reals
-    state: Reals
-    values: Reals
+    state: Reals  #: (n, k) float64: State at the start.
+    values: Reals  #: (n, keys) float64: Values of the varying keys.
 
 
 class Variations:
@@ -50,8 +40,6 @@ class Variations:
 
     Parameters
     ----------
-    case : Case
-        The case.
     names : list of str
         Names of the materials in use.
     materials : tuple of NamedTuple

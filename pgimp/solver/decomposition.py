@@ -32,10 +32,6 @@ def partition(
 
     Parameters
     ----------
-    scene : Scene
-        The scene.
-    comm : communicator
-        Of all ranks.
     counts : (layers,) int64
         Particles of each layer, or of each layer of a ring.
 

@@ -40,8 +40,6 @@ class Flows(StepPart):
     ----------
     scene : Scene
         The scene, in which bodies flow.
-    comm : communicator
-        Of all ranks.
     """
 
     def __init__(self, scene: Scene, comm: Communicator) -> None:
@@ -66,8 +64,6 @@ class Flows(StepPart):
             The rank, whose ledger then starts to sum volumes anew.
         order : Order
             Its particles in the current configuration.
-        t : Step
-            The step.
         """
         if t.number % EVERY:
             return self._idle

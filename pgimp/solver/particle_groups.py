@@ -32,42 +32,26 @@ from pgimp.solver.rank_state import RankState
 
 
 class GroupReport(NamedTuple):
-    """Outcome of G2P for a group, in a range of layers.
+    """Outcome of G2P for a group, in a range of layers."""
 
-    Attributes
-    ----------
-    failed, outflow, changed : int
-        Particles at fault; that left the domain; that changed their layer or left.
-    rate : float
-        Largest (c_p + |v_p|)/L.
-    clamped, held : int
-        Particles with a half-width clamped to one cell, and held in by a wall.
-    """
-
+    #: failed, outflow, changed: Particles at fault; that left the domain; that changed their layer
+    #: or left.
     failed: int
     outflow: int
     changed: int
-    rate: float
+    rate: float  #: Largest (c_p + |v_p|)/L.
+    #: clamped, held: Particles with a half-width clamped to one cell, and held in by a wall.
     clamped: int
     held: int
 
 
 @dataclass
 class ParticleGroup:
-    """Particles of one setting: all, or those in the current configuration beside others.
+    """Particles of one setting: all, or those in the current configuration beside others."""
 
-    Attributes
-    ----------
-    setting : KernelScene
-        The scene for kernels.
-    order : Order
-        The particles; all groups have the same layers.
-    rank_in_order : (n,) int32 or None
-        Their offsets in the order of all particles; None if they are all.
-    """
-
-    setting: KernelScene
-    order: Order
+    setting: KernelScene  #: The scene for kernels.
+    order: Order  #: The particles; all groups have the same layers.
+    #: (n,) int32 or None: Their offsets in the order of all particles; None if they are all.
     rank_in_order: np.ndarray | None = None
 
     #: Whether they are those in the initial configuration beside others.
@@ -131,12 +115,10 @@ class ParticleGroup:
         ----------
         call : Bound
             Calls the kernels of the group.
-        rank : RankState
-            The rank.
         forcing : Forcing
             The forcing of all particles.
-        layers : (n,) int64
-            The layers.
+        layers
+            (n,) int64.
         report : Report
             What the kernels fill.
         first : bool
@@ -176,14 +158,9 @@ class InitialGroup(ParticleGroup):
 
 @dataclass
 class CellGroup(ParticleGroup):
-    """Particles in the initial configuration, of which those on the lattice go cell by cell.
+    """Particles in the initial configuration, of which those on the lattice go cell by cell."""
 
-    Attributes
-    ----------
-    lattice : LatticeCells or None
-        The cells; None to sum all particles one by one, with their masses.
-    """
-
+    #: The cells; None to sum all particles one by one, with their masses.
     lattice: LatticeCells | None = None
 
     def columns(self, population: Population) -> Particles:
@@ -235,8 +212,6 @@ def groups_of(rank: RankState, by_cells: bool = False) -> tuple[ParticleGroup, .
 
     Parameters
     ----------
-    rank : RankState
-        The rank.
     by_cells : bool
         Whether lattice particles may be taken cell by cell, without their masses.
     """

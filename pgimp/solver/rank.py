@@ -51,10 +51,6 @@ class Rank:
 
     Parameters
     ----------
-    scene : Scene
-        The scene.
-    comm : communicator
-        Of all ranks.
     slab : Slab
         The rank's layers.
     particles : Particles
@@ -76,9 +72,6 @@ class Rank:
         The contact of bodies, or one of its kinds.
     displacement : Displacement
         Updates of lattice particles, in the initial configuration.
-    surface_kinematics, grips, absorbing, slaves, damping, averaged_mass, crossings, flows,
-    penetration, sinks, inflow
-        The parts of a step of `pgimp.solver.parts`.
     parts_rate : float
         The greatest `rate` of these.
     calls : tuple of Bound
@@ -102,6 +95,7 @@ class Rank:
         Where the kernels write them.
     """
 
+    # The parts of a step of `pgimp.solver.parts`.
     surface_kinematics: Any
     grips: Any
     absorbing: Any

@@ -33,8 +33,6 @@ def place_planes(comm: Communicator, own: np.ndarray, first: int, planes: int) -
 
     Parameters
     ----------
-    comm : communicator
-        Of all ranks.
     own : (n, ...) float64
         Values of this rank's planes.
     first : int
@@ -77,11 +75,6 @@ class StepReduction:
     All ranks make the same calls at the same points of their steps. A reduction that is open when
     the object is dropped, or at the process's end, is completed. All ranks have begun it, or will,
     before their next communication.
-
-    Parameters
-    ----------
-    comm : communicator
-        Of all ranks.
 
     Attributes
     ----------

@@ -62,8 +62,6 @@ def begin(
     ----------
     scenes : sequence of Scene
         The scenes of all stages.
-    comm : communicator
-        Of all ranks.
     reduction : StepReduction
         The reduction of the run.
     creation : Creation
@@ -156,12 +154,8 @@ def resume(
     ----------
     scenes : sequence of Scene
         The scenes of all stages.
-    comm : communicator
-        Of all ranks.
     reduction : StepReduction
         The reduction of the run.
-    source : CheckpointFile
-        The checkpoint.
     now : State
         Its stage, and the steps before the first one of its clock.
 

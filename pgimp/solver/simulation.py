@@ -59,8 +59,6 @@ class Simulation(SimulationProgress):
     done, doing : Step, Step or None
         The last step that succeeded on all ranks. The step after it, if done by this rank with its
         reduction incomplete.
-    notes, warnings : list of str
-        Messages to the user, equal on every rank.
     request : Request
         This rank's request; it goes with the reduction of every step.
     agreed_request : Request
@@ -68,10 +66,6 @@ class Simulation(SimulationProgress):
         `Request.PENDING` without any.
     reduction : StepReduction
         The reduction of the last step, complete or not.
-    rate : float
-        Largest (c_p + |v_p|)/L of all ranks.
-    watch : EnergyWatch or None
-        The guard of the steps that pgimp chooses.
     failure : Failure or None
         The step that failed; `time`, `step` and `dt` then belong to the step before.
 
@@ -85,9 +79,10 @@ class Simulation(SimulationProgress):
 
     #: Creates the particles at the start.
     creation: type[Creation] = Creation
-    watch: EnergyWatch | None
-    rate: float
+    watch: EnergyWatch | None  #: The guard of the steps that pgimp chooses.
+    rate: float  #: Largest (c_p + |v_p|)/L of all ranks.
     diagnostic_sums: Diagnostics
+    #: notes, warnings: Messages to the user, equal on every rank.
     notes: list[str]
     warnings: list[str]
 

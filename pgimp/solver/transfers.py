@@ -20,27 +20,17 @@ from pgimp.solver.vertices import VertexUpdate
 
 
 class RangeReport(NamedTuple):
-    """Outcome of G2P for a range of layers.
+    """Outcome of G2P for a range of layers."""
 
-    Attributes
-    ----------
-    changed : (n,) int32
-        Offsets in the order of the particles that changed their layer or left.
-    rate : float
-        Largest (c_p + |v_p|)/L.
-    outflow, clamped, held : int
-        Particles that left the domain, with a half-width clamped to one cell, and held in by a
-        wall.
-    failed : tuple of int
-        Particles at fault, by configuration.
-    """
-
+    #: (n,) int32: Offsets in the order of the particles that changed their layer or left.
     changed: np.ndarray
-    rate: float
+    rate: float  #: Largest (c_p + |v_p|)/L.
+    #: outflow, clamped, held: Particles that left the domain, with a half-width clamped to one
+    #: cell, and held in by a wall.
     outflow: int
     clamped: int
     held: int
-    failed: tuple[int, ...]
+    failed: tuple[int, ...]  #: Particles at fault, by configuration.
 
 
 def sum_particles(
@@ -54,8 +44,6 @@ def sum_particles(
 
     Parameters
     ----------
-    rank : RankState
-        The rank.
     groups : sequence of ParticleGroup
         Its particles.
     loads : Loads
@@ -126,14 +114,12 @@ def update_particles(
 
     Parameters
     ----------
-    rank : RankState
-        The rank.
     groups : sequence of ParticleGroup
         Its particles.
     forcing : Forcing
         From `particle_forcing`.
-    layers : (n,) int64
-        The layers.
+    layers
+        (n,) int64.
     found : sequence of RangeReport
         Reports of the earlier ranges; this one writes behind them.
     """

@@ -29,20 +29,11 @@ class VertexSums:
 
     Parameters
     ----------
-    scene : Scene
-        The scene.
-    comm : communicator
-        Of all ranks.
     quantity : Quantity
         What is summed.
-
-    Attributes
-    ----------
-    grid : Grid
-        The sums; it has the planes and the window of the rank's own grid.
     """
 
-    grid: Grid
+    grid: Grid  #: The sums; it has the planes and the window of the rank's own grid.
 
     def __init__(self, scene: Scene, comm: Communicator, quantity: Quantity) -> None:
         self.scene, self.comm, self.quantity, self.call = scene, comm, quantity, Bound()

@@ -19,38 +19,22 @@ from pgimp.solver.time.clock import Step
 
 
 class VertexUpdate(NamedTuple):
-    """A step's forcing of the vertices.
-
-    Attributes
-    ----------
-    t : Step
-        The step.
-    faces : Faces or ()
-        The conditions of faces in the step.
-    forcing : Forcing
-        The other forcing, without loads on particles only.
-    ledger : Ledger
-        Ledger for work and impulses.
-    """
+    """A step's forcing of the vertices."""
 
     t: Step
-    faces: Faces | tuple[()]
-    forcing: Forcing
-    ledger: Ledger
+    faces: Faces | tuple[()]  #: Faces or (): The conditions of faces in the step.
+    forcing: Forcing  #: The other forcing, without loads on particles only.
+    ledger: Ledger  #: Ledger for work and impulses.
 
 
 class StepPart:
     """What a scene may add to a step; each part overrides the methods that it needs.
 
     A step calls the methods in the order of their definition. `pgimp.solver.parts` lists the parts.
-
-    Attributes
-    ----------
-    rate : float
-        Rate whose product with the step must not be above the Courant number, for the part to be
-        stable: as the cells that waves cross in a unit of time.
     """
 
+    #: Rate whose product with the step must not be above the Courant number, for the part to be
+    #: stable: as the cells that waves cross in a unit of time.
     rate: float = 0.0
 
     def begin(self, rank: RankState, order: Order, done: int) -> None:
@@ -58,8 +42,6 @@ class StepPart:
 
         Parameters
         ----------
-        rank : Rank
-            The rank.
         order : Order
             Its particles: all, or in scenes of both configurations those in the current one.
         done : int

@@ -21,8 +21,6 @@ def write(path: Path, content: str | bytes, durable: bool = True) -> None:
 
     Parameters
     ----------
-    path : Path
-        The file.
     content : str or bytes
         The whole content; text becomes UTF-8.
     durable : bool

@@ -41,21 +41,11 @@ class Dataset(NamedTuple):
 
 
 class Layout(NamedTuple):
-    """Layout of a file with contiguous datasets.
+    """Layout of a file with contiguous datasets."""
 
-    Attributes
-    ----------
-    offsets : dict of str to int
-        Offset of each dataset's first byte in the file; 0 if it is empty.
-    parts : dict of int to bytes
-        HDF5's metadata of the datasets, by offset.
-    size : int
-        Bytes of the file.
-    """
-
-    offsets: dict[str, int]
-    parts: dict[int, bytes]
-    size: int
+    offsets: dict[str, int]  #: Offset of each dataset's first byte in the file; 0 if it is empty.
+    parts: dict[int, bytes]  #: HDF5's metadata of the datasets, by offset.
+    size: int  #: Bytes of the file.
 
     def create(self, path: Path) -> None:
         """Create the file, with its space on the disk reserved.

@@ -63,11 +63,6 @@ def decoded(content: bytes) -> str:
 class Columns:
     """The columns of a table, by its line of names.
 
-    Parameters
-    ----------
-    line : str
-        The line.
-
     Raises
     ------
     ValueError

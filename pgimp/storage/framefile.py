@@ -57,8 +57,6 @@ class FrameFile:
 
     Parameters
     ----------
-    path : Path
-        The file.
     comm : communicator
         Of all ranks; each opens the file. Creation is not collective.
     most : int, optional

@@ -34,8 +34,6 @@ def open_file(path: Path | Image, mode: str, **options: Any) -> Any:
 
     Parameters
     ----------
-    path : Path or Image
-        The file.
     mode : str
         As in h5py.
     **options

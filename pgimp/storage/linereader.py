@@ -42,8 +42,6 @@ def require_whole(path: Path, step: int, count: int | None) -> None:
 
     Parameters
     ----------
-    path : Path
-        The file.
     step : int
         Step of the last line before the point from which a run resumes.
     count : int or None
@@ -87,11 +85,6 @@ def require_whole(path: Path, step: int, count: int | None) -> None:
 def so_far(directory: Path) -> dict[str, object]:
     """Return the progress of a run from the last line of its history.
 
-    Parameters
-    ----------
-    directory : Path
-        The run directory.
-
     Returns
     -------
     dict
@@ -111,11 +104,6 @@ def so_far(directory: Path) -> dict[str, object]:
 
 def read(path: Path) -> np.ndarray:
     """Read such a file, also while it grows.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
 
     Returns
     -------

@@ -48,7 +48,7 @@ class Rows:
     ----------
     short : bool
         Whether values are few at a time, so that those of all fields may be found together.
-    count : int
+    count
         Number of rows of all ranks.
     first, last : int
         This rank has the rows from `first` to `last` (exclusive).
@@ -178,8 +178,6 @@ class _Exchange:
 
     Parameters
     ----------
-    comm : communicator
-        Of all ranks.
     rows : ndarray of int64, shape (n,)
         Rows of this rank's particles.
     share : int

@@ -12,11 +12,6 @@ from pgimp.io.results.reader import Run
 def open(directory: str | Path) -> Run:
     """Open a run directory, also of a run that is in progress or has failed.
 
-    Parameters
-    ----------
-    directory : str or Path
-        The run directory.
-
     Returns
     -------
     Run

@@ -22,19 +22,12 @@ _LAUNCHERS = ("OMPI_", "PMIX_", "PMI_", "PALS_", "MPI_LOCAL")
 
 
 class RawMesh(NamedTuple):
-    """Content of a mesh file.
+    """Content of a mesh file."""
 
-    Attributes
-    ----------
-    points : (n, d) float64
-    cells : list of (str, (m, k) int64)
-        Blocks of cells by type.
-    groups : dict of str to (c,) int64
-        Numbers of cells, over all blocks, by the names of groups.
-    """
-
-    points: NDArray[np.float64]
+    points: NDArray[np.float64]  #: (n, d) float64.
+    #: list of (str, (m, k) int64): Blocks of cells by type.
     cells: list[tuple[str, NDArray[np.int64]]]
+    #: dict of str to (c,) int64: Numbers of cells, over all blocks, by the names of groups.
     groups: dict[str, NDArray[np.int64]]
 
 

@@ -65,8 +65,8 @@ def groups_of(mesh: Any, tags: list[list[int]]) -> dict[str, NDArray[np.int64]]:
 
     Parameters
     ----------
-    mesh : meshio.Mesh
-        The mesh.
+    mesh
+        meshio.Mesh.
     tags : list of list of int
         Physical groups of each block, if they are known; see `take_all_groups`.
     """

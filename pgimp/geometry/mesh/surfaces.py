@@ -19,19 +19,11 @@ _KINDS = {2: "line", 3: "triangle", 4: "quad"}
 
 
 class Read(NamedTuple):
-    """Content of a file.
+    """Content of a file."""
 
-    Attributes
-    ----------
-    points : (n, d) float64
-    cells : list of (str, (m, k) int64)
-        Blocks by type.
-    groups : dict of str to (c,) int64
-        Numbers of cells over all blocks, by the names of groups.
-    """
-
-    points: NDArray[np.float64]
-    cells: Cells
+    points: NDArray[np.float64]  #: (n, d) float64.
+    cells: Cells  #: list of (str, (m, k) int64): Blocks by type.
+    #: dict of str to (c,) int64: Numbers of cells over all blocks, by the names of groups.
     groups: dict[str, NDArray[np.int64]]
 
 

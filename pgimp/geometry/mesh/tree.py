@@ -21,31 +21,19 @@ _SLACK = 1e-6
 
 
 class Surface(NamedTuple):
-    """A closed surface, facing outwards, at holes inwards.
+    """A closed surface, facing outwards, at holes inwards."""
 
-    Attributes
-    ----------
-    triangles : (n, 3, 3) float64
-        In the order of the tree; the directions are x, y, z, and in 2D x, an added one, y.
-    component : (n,) int64
-        Connected part of each triangle.
-    low, high : (2 * leaves, 3) float64
-        Boxes of the tree's nodes, see `pgimp.geometry.mesh.treekernels`.
-    dimensions : int
-        Dimensions of the case.
-    facets : int
-        Number of triangles, in 2D of segments.
-    notes : tuple of str
-        Repairs.
-    """
-
+    #: (n, 3, 3) float64: In the order of the tree; the directions are x, y, z, and in 2D x, an
+    #: added one, y.
     triangles: Reals
-    component: Ints
+    component: Ints  #: (n,) int64: Connected part of each triangle.
+    #: low, high: (2 * leaves, 3) float64: Boxes of the tree's nodes, see
+    #: `pgimp.geometry.mesh.treekernels`.
     low: Reals
     high: Reals
-    dimensions: int
-    facets: int = 0
-    notes: tuple[str, ...] = ()
+    dimensions: int  #: Dimensions of the case.
+    facets: int = 0  #: Number of triangles, in 2D of segments.
+    notes: tuple[str, ...] = ()  #: Repairs.
 
     @property
     def leaves(self) -> int:

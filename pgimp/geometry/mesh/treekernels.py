@@ -177,8 +177,8 @@ def distances(tree, points, beside, begin, near_ones, out) -> int:
     ----------
     tree
         T, low, high, leaves.
-    points : (n, 3) float64
-        The points.
+    points
+        (n, 3) float64.
     beside : (k, 3) float64
         The places, from the point.
     begin : int

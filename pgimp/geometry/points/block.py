@@ -23,52 +23,31 @@ States = Mapping[str, bool]
 
 
 class VertexGrid(NamedTuple):
-    """Grid of a checkpoint.
+    """Grid of a checkpoint."""
 
-    Attributes
-    ----------
-    origin, cell, cells : tuples
-        Low corner of the domain, sides of a cell, number of cells.
-    ghost : int
-        Vertices beyond a face.
-    fields : tuple of int
-        Velocity field of each body.
-    """
-
+    #: origin, cell, cells: Low corner of the domain, sides of a cell, number of cells.
     origin: tuple[float, ...]
     cell: tuple[float, ...]
     cells: tuple[int, ...]
-    ghost: int
-    fields: tuple[int, ...]
+    ghost: int  #: Vertices beyond a face.
+    fields: tuple[int, ...]  #: Velocity field of each body.
 
 
 class Saved(NamedTuple):
-    """What a frame or a checkpoint says of one of its bodies.
+    """What a frame or a checkpoint says of one of its bodies."""
 
-    Attributes
-    ----------
-    checkpoint : bool
-        Whether it is a checkpoint.
-    number, bodies : int, int
-        Number of the body, and how many there are.
-    time, step : float, int
-        When it was written.
-    inertia : float
-        Factor of mass scaling.
-    states : dict of str to (int, int)
-        First column and number of components of each state variable in a checkpoint.
-    grid : VertexGrid or None
-        Of a checkpoint.
-    """
-
-    checkpoint: bool
+    checkpoint: bool  #: Whether it is a checkpoint.
+    #: number, bodies: Number of the body, and how many there are.
     number: int
     bodies: int
+    #: time, step: float, int: When it was written.
     time: float
     step: int
-    inertia: float
+    inertia: float  #: Factor of mass scaling.
+    #: dict of str to (int, int): First column and number of components of each state variable in a
+    #: checkpoint.
     states: Mapping[str, tuple[int, int]]
-    grid: VertexGrid | None
+    grid: VertexGrid | None  #: Of a checkpoint.
 
     @property
     def title(self) -> str:
@@ -78,36 +57,26 @@ class Saved(NamedTuple):
 
 
 class Block(NamedTuple):
-    """A block of particles, from row `first` on.
-
-    Attributes
-    ----------
-    position, volume : (n, D) and (n,) float64
-    velocity : (n, D) float64 or None
-    stress : (n, 3, 4 or 6) float64 or None
-        Components of the dimension, in the order xx, yy, zz, xy, yz, xz.
-    gradient : (n, D * D) float64 or None
-        Velocity gradient, row-major: dv_x/dx, dv_x/dy, ...
-    states : dict of str to (n, k) float64
-        State variables of the material, by name: scalars, or as many components as `stress`.
-    lines : callable
-        Gives the position of a row in the file as text, "row 0" or "line 2".
-    columns : mapping of str to (n, ...) array
-        The whole state, by the names of particles' columns; only of a run's own files.
-    saved : Saved or None
-        What such a file says of the body.
-    """
+    """A block of particles, from row `first` on."""
 
     first: int
+    #: position, volume: (n, D) and (n,) float64.
     position: Reals
     volume: Reals
-    velocity: Reals | None
+    velocity: Reals | None  #: (n, D) float64 or None.
+    #: (n, 3, 4 or 6) float64 or None: Components of the dimension, in the order xx, yy, zz, xy, yz,
+    #: xz.
     stress: Reals | None
+    #: (n, D * D) float64 or None: Velocity gradient, row-major: dv_x/dx, dv_x/dy, ...
     gradient: Reals | None
+    #: dict of str to (n, k) float64: State variables of the material, by name: scalars, or as many
+    #: components as `stress`.
     states: dict[str, Reals]
-    lines: Any
+    lines: Any  #: callable: Gives the position of a row in the file as text, "row 0" or "line 2".
+    #: mapping of str to (n, ...) array: The whole state, by the names of particles' columns; only
+    #: of a run's own files.
     columns: Mapping[str, NDArray] = MappingProxyType({})
-    saved: Saved | None = None
+    saved: Saved | None = None  #: What such a file says of the body.
 
     def place(self, row: int) -> str:
         """Position of a row of the block in the file, as text."""

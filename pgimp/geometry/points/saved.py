@@ -34,38 +34,25 @@ _CHECKPOINT = "take a checkpoint of its run, checkpoints/step-*.h5"
 
 
 class Wanted(NamedTuple):
-    """What a body of a case needs of a run's own file.
+    """What a body of a case needs of a run's own file."""
 
-    Attributes
-    ----------
-    body, named : str, str or None
-        Its name in the case; the name in the file, where the case gives one.
-    model, states : str, mapping
-        Law of its material, and the state variables.
-    geometry : str
-        The case's.
-    initial : bool
-        Whether it is in the initial configuration.
-    density, inertia : float or None, float
-        Initial density without mass scaling, None where it varies; the factor of mass scaling.
-    periods : sequence of (float, float)
-        Low end and period by direction, 0 where the domain is not periodic.
-    affine : bool
-        Whether its particles carry their velocity gradient.
-    columns : tuple of str
-        Columns of the particles that it takes from a checkpoint which has them.
-    """
-
+    #: body, named: Its name in the case; the name in the file, where the case gives one.
     body: str
     named: str | None
+    #: model, states: str, mapping: Law of its material, and the state variables.
     model: str
     states: States
-    geometry: str
-    initial: bool
+    geometry: str  #: The case's.
+    initial: bool  #: Whether it is in the initial configuration.
+    #: density, inertia: Initial density without mass scaling, None where it varies; the factor of
+    #: mass scaling.
     density: float | None
     inertia: float
+    #: sequence of (float, float): Low end and period by direction, 0 where the domain is not
+    #: periodic.
     periods: tuple[tuple[float, float], ...]
-    affine: bool
+    affine: bool  #: Whether its particles carry their velocity gradient.
+    #: Columns of the particles that it takes from a checkpoint which has them.
     columns: tuple[str, ...]
 
 

@@ -41,18 +41,11 @@ _KEYS = (
 
 
 class Heights(NamedTuple):
-    """Heights at the nodes of a grid.
+    """Heights at the nodes of a grid."""
 
-    Attributes
-    ----------
-    axes : tuple of (n,) float64
-        Coordinates of the nodes by horizontal direction, ascending.
-    values : (n, ...) float64
-        Heights; nan where there is none.
-    """
-
+    #: tuple of (n,) float64: Coordinates of the nodes by horizontal direction, ascending.
     axes: tuple[Reals, ...]
-    values: Reals
+    values: Reals  #: (n, ...) float64: Heights; nan where there is none.
 
 
 #: Ends of the wanted part by direction, in the file's coordinates; None where it has no end.

@@ -38,12 +38,12 @@ class CheckpointFile:
 
     Parameters
     ----------
-    path : path-like
-        The file.
+    path
+        path-like.
 
     Attributes
     ----------
-    path : Path
+    path
         As given.
     size : int
         Bytes of the file.

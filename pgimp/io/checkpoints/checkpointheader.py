@@ -56,29 +56,18 @@ class Place(BaseModel):
 
 
 class Header(BaseModel):
-    """The content of the JSON text.
-
-    Attributes
-    ----------
-    size : int
-        Bytes of the file.
-    count : int
-        Rows of each dataset in `rows`.
-    about : dict
-        The run's own data.
-    rows, whole : dict of str to Place
-        Datasets with a row for each particle, and others.
-    pieces : list of [start, size, CRC-32]
-        In order and without gaps, from the end of the user block to the end of the file.
-    """
+    """The content of the JSON text."""
 
     model_config = _MODEL
 
-    size: _Size
-    count: _Size
-    about: dict[str, object]
+    size: _Size  #: int: Bytes of the file.
+    count: _Size  #: int: Rows of each dataset in `rows`.
+    about: dict[str, object]  #: The run's own data.
+    #: rows, whole: dict of str to Place: Datasets with a row for each particle, and others.
     rows: dict[_Name, Place]
     whole: dict[_Name, Place]
+    #: list of [start, size, CRC-32]: In order and without gaps, from the end of the user block to
+    #: the end of the file.
     pieces: list[Annotated[list[_Size], Field(min_length=3, max_length=3)]]
 
     @property

@@ -52,8 +52,6 @@ def write(
     ----------
     path : Path
         The file; replaced if it exists.
-    comm : communicator
-        Of all ranks.
     about : dict
         Any data with a JSON form; used on rank 0.
     rows : mapping of str to ndarray, shape (n, ...)

@@ -44,8 +44,6 @@ class ParticleFile:
     ----------
     case : Case
         Gives title and units.
-    scene : Scene
-        The scene.
     fields : list of str
         Fields in the files.
     precision : str

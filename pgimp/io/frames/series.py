@@ -28,8 +28,6 @@ class Series(ABC):
 
     Parameters
     ----------
-    comm : communicator
-        Of all ranks.
     path : Path
         Path of the files that list the frames, without suffix; frames are in a folder beside it.
     pattern : re.Pattern

@@ -201,8 +201,8 @@ class Content:
 
     Parameters
     ----------
-    file : h5py.File
-        The file.
+    file
+        h5py.File.
 
     Attributes
     ----------

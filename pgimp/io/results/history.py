@@ -30,8 +30,6 @@ def read_sums(path: Path, dimensions: int = 1) -> np.ndarray:
 
     Parameters
     ----------
-    path : Path
-        The file.
     dimensions : int
         Directions in which there is a momentum.
 

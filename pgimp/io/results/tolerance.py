@@ -12,14 +12,10 @@ Array = np.ndarray
 
 
 class Tolerance(NamedTuple):
-    """Tolerance of numbers; with both zero they must have the same bits.
+    """Tolerance of numbers; with both zero they must have the same bits."""
 
-    Attributes
-    ----------
-    relative, absolute : float
-        Greatest difference: `relative` times the larger magnitude, plus `absolute`.
-    """
-
+    #: relative, absolute: Greatest difference: `relative` times the larger magnitude, plus
+    #: `absolute`.
     relative: float = 0.0
     absolute: float = 0.0
 
@@ -50,21 +46,13 @@ class Tolerance(NamedTuple):
 
 
 class Worst(NamedTuple):
-    """The largest difference of a field.
+    """The largest difference of a field."""
 
-    Attributes
-    ----------
-    number : int
-        Number of rows that differ.
-    row, column : int
-        Row and column of the largest difference.
-    first, second : float
-        The two values there.
-    """
-
-    number: int
+    number: int  #: Number of rows that differ.
+    #: row, column: Row and column of the largest difference.
     row: int
     column: int
+    #: first, second: The two values there.
     first: float
     second: float
 

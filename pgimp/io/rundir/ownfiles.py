@@ -67,8 +67,6 @@ def require_room(directory: Path, resume: bool, probes: Collection[str]) -> None
 
     Parameters
     ----------
-    directory : Path
-        The run directory.
     resume : bool
         Whether the existing run is continued, so that its files stay.
     probes : collection of str

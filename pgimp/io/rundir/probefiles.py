@@ -35,8 +35,6 @@ def probes_ever(directory: Path, run: dict[str, Any] | None) -> set[str]:
 
     Parameters
     ----------
-    directory : Path
-        The run directory.
     run : dict or None
         Content of run.json; each of its starts lists the probes so far.
     """

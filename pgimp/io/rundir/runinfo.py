@@ -132,11 +132,6 @@ def cpu() -> str:
 def read(path: Path) -> dict[str, Any] | None:
     """Read a run.json.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-
     Returns
     -------
     dict or None
@@ -212,8 +207,6 @@ def write(path: Path, start: dict[str, object]) -> None:
 
     Parameters
     ----------
-    path : Path
-        The file.
     start : dict
         From `describe_start`.
 
@@ -257,8 +250,6 @@ def update(path: Path, **changes: object) -> None:
 
     Parameters
     ----------
-    path : Path
-        The file.
     **changes
         The entries.
 

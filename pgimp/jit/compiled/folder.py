@@ -27,18 +27,10 @@ COMPILED = ("jit", "geometry", "physics", "kernels")
 
 
 class Folder(NamedTuple):
-    """Folder of the compiled kernels.
+    """Folder of the compiled kernels."""
 
-    Attributes
-    ----------
-    path : Path
-        The folder.
-    why_not : str
-        Why it is not the preferred one; empty if it is.
-    """
-
-    path: Path
-    why_not: str = ""
+    path: Path  #: The folder.
+    why_not: str = ""  #: Why it is not the preferred one; empty if it is.
 
     @property
     def warning(self) -> str:

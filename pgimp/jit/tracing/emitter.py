@@ -46,7 +46,7 @@ class Emitter:
         The kernel's functions.
     builder : Builder
         Where instructions go.
-    widened : dict
+    widened
         Types of variables that their first value does not tell.
     """
 

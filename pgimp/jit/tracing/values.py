@@ -128,7 +128,7 @@ class Cell:
         Its type.
     addresses : LLVM value, list or None
         A list for a tuple.
-    key : tuple
+    key
         What tells it from others in the kernel.
     """
 

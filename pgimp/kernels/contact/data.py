@@ -58,55 +58,32 @@ PAIR_ENDS = np.dtype([("fields", "i8", 2), ("law", "i8")], align=True)
 
 
 class Contact(NamedTuple):
-    """The data of contact for the kernels.
+    """The data of contact for the kernels."""
 
-    Attributes
-    ----------
-    pairs : Pairs
-        The law of each pair of bodies.
-    volumes : (planes * plane,) float64
-        The sums of `VolumeSums`, for the planes with contact vertices.
-    used : (planes + 1, fields) int64
-        Their used rows, see `Field`.
-    vertex_counts : (planes,) int64
-        Number of the contact vertices in each plane.
-    vertex_ranges : (planes,) VERTEX_RANGE
-        Range of these vertices in each plane, see `select_near`.
-    listed : VertexList
-        The vertices at which pairs act on each other, found once for the passes of a step.
-    present : (fields,) int64
-        Scratch: fields that may have mass at a vertex.
-    offsets, bodies : (fields,) int64
-        Scratch: offsets of the fields' records at a vertex, and their bodies.
-    fields : (fields,) FIELD_STATE
-        Scratch: their states.
-    ends : (pairs,) PAIR_ENDS
-        Scratch: the fields of each pair at a vertex, and its law.
-    pair_states : (pairs,) PAIR_STATE
-        Scratch: the states of the pairs.
-    scratch_impulse : (faces, 3) float64
-        Scratch for unbooked impulses of faces.
-    near : (planes, y, z) int8
-        Whether a vertex is near rigid bodies, see `find_rigid_vertices`; empty without any.
-    rigid_bodies : RigidBodies or ()
-        The rigid bodies, which count as fields without records in the grid, and with infinite
-        mass.
-    """
-
-    pairs: Pairs
+    pairs: Pairs  #: The law of each pair of bodies.
+    #: (planes * plane,) float64: The sums of `VolumeSums`, for the planes with contact vertices.
     volumes: np.ndarray
-    used: np.ndarray
-    vertex_counts: np.ndarray
+    used: np.ndarray  #: (planes + 1, fields) int64: Their used rows, see `Field`.
+    vertex_counts: np.ndarray  #: (planes,) int64: Number of the contact vertices in each plane.
+    #: (planes,) VERTEX_RANGE: Range of these vertices in each plane, see `select_near`.
     vertex_ranges: np.ndarray
+    #: The vertices at which pairs act on each other, found once for the passes of a step.
     listed: VertexList
-    present: np.ndarray
+    present: np.ndarray  #: (fields,) int64: Scratch: fields that may have mass at a vertex.
+    #: offsets, bodies: (fields,) int64: Scratch: offsets of the fields' records at a vertex, and
+    #: their bodies.
     offsets: np.ndarray
     bodies: np.ndarray
-    fields: np.ndarray
+    fields: np.ndarray  #: (fields,) FIELD_STATE: Scratch: their states.
+    #: (pairs,) PAIR_ENDS: Scratch: the fields of each pair at a vertex, and its law.
     ends: np.ndarray
-    pair_states: np.ndarray
-    scratch_impulse: np.ndarray
+    pair_states: np.ndarray  #: (pairs,) PAIR_STATE: Scratch: the states of the pairs.
+    scratch_impulse: np.ndarray  #: (faces, 3) float64: Scratch for unbooked impulses of faces.
+    #: (planes, y, z) int8: Whether a vertex is near rigid bodies, see `find_rigid_vertices`; empty
+    #: without any.
     near: np.ndarray
+    #: RigidBodies or (): The rigid bodies, which count as fields without records in the grid, and
+    #: with infinite mass.
     rigid_bodies: AnyRigidBodies
 
     @classmethod

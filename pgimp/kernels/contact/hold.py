@@ -34,24 +34,14 @@ LEAST_FREE = 0.1
 
 
 class PenetrationLimits(NamedTuple):
-    """Data to hold particles out of rigid bodies in a step.
+    """Data to hold particles out of rigid bodies in a step."""
 
-    Attributes
-    ----------
-    rigid_bodies : RigidBodies
-        The rigid bodies at their positions of the step's end.
-    pairs : Pairs
-        The laws of contact.
-    compliance : (rigid bodies, 6, 6) float64
-        Velocities along and about x, y, z of a free body per impulse and moment. They are times the
-        greatest mass of the particles that it may hold; 0 for others.
-    impulses : (layers, rigid bodies, 6) float64
-        Grows by impulse and moment on each body.
-    """
-
-    rigid_bodies: RigidBodies
-    pairs: Pairs
+    rigid_bodies: RigidBodies  #: The rigid bodies at their positions of the step's end.
+    pairs: Pairs  #: The laws of contact.
+    #: (rigid bodies, 6, 6) float64: Velocities along and about x, y, z of a free body per impulse
+    #: and moment. They are times the greatest mass of the particles that it may hold; 0 for others.
     compliance: np.ndarray
+    #: (layers, rigid bodies, 6) float64: Grows by impulse and moment on each body.
     impulses: np.ndarray
 
 

@@ -36,20 +36,13 @@ VERTICES, FIELDS, PAIRS = 0, 1, 2
 
 
 class VertexList(NamedTuple):
-    """The contact vertices of a rank in a step, plane by plane.
+    """The contact vertices of a rank in a step, plane by plane."""
 
-    Attributes
-    ----------
-    start : (planes + 1,) int64
-        First vertex of each plane.
-    found : (3,) int64
-        Numbers of vertices, fields and pairs, also if there is no room for them.
-    vertices, fields, pairs : LISTED_VERTEX, LISTED_FIELD, LISTED_PAIR
-        The list; all have room for more.
-    """
-
-    start: np.ndarray
+    start: np.ndarray  #: (planes + 1,) int64: First vertex of each plane.
+    #: (3,) int64: Numbers of vertices, fields and pairs, also if there is no room for them.
     found: np.ndarray
+    #: vertices, fields, pairs: LISTED_VERTEX, LISTED_FIELD, LISTED_PAIR: The list; all have room
+    #: for more.
     vertices: np.ndarray
     fields: np.ndarray
     pairs: np.ndarray

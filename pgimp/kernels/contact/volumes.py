@@ -36,14 +36,10 @@ class VolumeSums(NamedTuple):
     The sums are then V_p and V_p (b + 1), b being the number of the particle's body. In place of
     the forces they have V_p grad S, the integral of S over the surface with its outward normal. Cut
     particles also add their number and the curvature's share of their gap.
-
-    Attributes
-    ----------
-    gradient : float or ()
-        A number where S belongs to whole particles: `VOLUME_CORRECTION` then has V_p d . grad S
-        for the offset d of their volume; see `pgimp.kernels.contact.volumes`.
     """
 
+    #: float or (): A number where S belongs to whole particles: `VOLUME_CORRECTION` then has V_p d
+    #: . grad S for the offset d of their volume; see `pgimp.kernels.contact.volumes`.
     gradient: float | tuple[()] = ()
 
     @staticmethod

@@ -9,55 +9,32 @@ from pgimp.kernels.data.frame import identity
 
 
 class Carried(NamedTuple):
-    """Columns of a scene's particles.
+    """Columns of a scene's particles."""
 
-    Attributes
-    ----------
-    dimensions : int
-        1, 2 or 3.
-    origin, affine, viscous : bool
-        Whether they keep their initial position, velocity gradient, viscous pressure.
-    tractions, state : int
-        Number of tractions, and greatest number of state variables of a material.
-    surfaces : bool
-        Whether they have the cut-off parts at surfaces, for contact.
-    mean : bool
-        Whether they have their degree of isolation, for mean dilatation.
-    cell_F : bool
-        Whether they have their cells' deformation gradient, for mean dilatation in the initial
-        configuration.
-    own : int
-        Number of parameters of its material that vary.
-    liquid : bool
-        Whether they have the gradient of J.
-    axial, plate : bool
-        Whether they are rings, or parts of a plate: F has a zz, out of the plane.
-    surfaces_loaded : int
-        Number of loads on parts of surfaces.
-    follows_surfaces : bool
-        Whether such loads follow the positions.
-    products : int
-        Number of a part's products of inertia, of bodies that are exact to their surface.
-    needed : set of str
-        Columns that the case needs by their own declaration, see `Column.needed`.
-    """
-
-    dimensions: int
+    dimensions: int  #: 1, 2 or 3.
+    #: origin, affine, viscous: Whether they keep their initial position, velocity gradient, viscous
+    #: pressure.
     origin: bool = False
     affine: bool = False
     viscous: bool = False
+    #: tractions, state: Number of tractions, and greatest number of state variables of a material.
     tractions: int = 0
     state: int = 0
-    surfaces: bool = False
-    mean: bool = False
+    surfaces: bool = False  #: Whether they have the cut-off parts at surfaces, for contact.
+    mean: bool = False  #: Whether they have their degree of isolation, for mean dilatation.
+    #: Whether they have their cells' deformation gradient, for mean dilatation in the initial
+    #: configuration.
     cell_F: bool = False
-    own: int = 0
-    liquid: bool = False
+    own: int = 0  #: Number of parameters of its material that vary.
+    liquid: bool = False  #: Whether they have the gradient of J.
+    #: axial, plate: Whether they are rings, or parts of a plate: F has a zz, out of the plane.
     axial: bool = False
     plate: bool = False
-    surfaces_loaded: int = 0
-    follows_surfaces: bool = False
+    surfaces_loaded: int = 0  #: Number of loads on parts of surfaces.
+    follows_surfaces: bool = False  #: Whether such loads follow the positions.
+    #: Number of a part's products of inertia, of bodies that are exact to their surface.
     products: int = 0
+    #: Columns that the case needs by their own declaration, see `Column.needed`.
     needed: frozenset[str] = frozenset()
 
     @property
@@ -71,37 +48,23 @@ class Column(NamedTuple):
 
     All migrate, are sorted, checkpointed and resumed; `pgimp.physics.fields` has the columns for
     output.
-
-    Attributes
-    ----------
-    meaning, unit : str
-    width : callable, optional
-        k, from `Carried`; 0: the scene does not use it. None: one number, (c,).
-    needed : callable, optional
-        Whether a case needs it, from the case; else it has the width 0. A column that says so
-        needs no entry of its own in `Carried`.
-    dtype : type
-    least : float, optional
-        Least allowed value.
-    above : float, optional
-        Excluded lower bound of the values.
-    numbers : str
-        Object that it numbers, if any: from 0 on, or from 1 on where 0 stands for none.
-    continued : {"", "optional", "required"}
-        Whether a body that goes on from a run's own checkpoint takes it from there, and whether
-        that must have it. Otherwise it begins as in a new body.
-    initial : float or callable
-        Initial value; of a matrix its diagonal, the rest is 0. Or from the particles, which have
-        their positions and bodies, and from the bodies' entries in the case: (n,) or (n, k).
     """
 
     meaning: str
     unit: str = ""
+    #: k, from `Carried`; 0: the scene does not use it. None: one number, (c,).
     width: Callable[[Carried], int] | None = None
     dtype: type = np.float64
-    least: float | None = None
-    above: float | None = None
+    least: float | None = None  #: Least allowed value.
+    above: float | None = None  #: Excluded lower bound of the values.
+    #: Object that it numbers, if any: from 0 on, or from 1 on where 0 stands for none.
     numbers: str = ""
+    #: Initial value; of a matrix its diagonal, the rest is 0. Or from the particles, which have
+    #: their positions and bodies, and from the bodies' entries in the case: (n,) or (n, k).
     initial: float | Callable[[Any, Sequence[Any]], np.ndarray] = 0.0
+    #: Whether a case needs it, from the case; else it has the width 0. A column that says so needs
+    #: no entry of its own in `Carried`.
     needed: Callable[[Any], bool] | None = None
+    #: {"", "optional", "required"}: Whether a body that goes on from a run's own checkpoint takes
+    #: it from there, and whether that must have it. Otherwise it begins as in a new body.
     continued: Literal["", "optional", "required"] = ""

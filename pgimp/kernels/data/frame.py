@@ -91,22 +91,15 @@ FRAMES: dict[str, tuple[type[Frame], type[Frame]]] = {
 
 
 class MixedFrame(NamedTuple):
-    """Position of the grid for bodies of both configurations, for the canonical order.
+    """Position of the grid for bodies of both configurations, for the canonical order."""
 
-    Attributes
-    ----------
-    origin, cell, inverse, cells, ghost
-        See `Frame`.
-    lagrangian : (bodies,) bool
-        Mask of the bodies in the initial configuration.
-    """
-
+    #: origin, cell, inverse, cells, ghost: See `Frame`.
     origin: tuple[float, ...]
     cell: tuple[float, ...]
     inverse: tuple[float, ...]
     cells: tuple[int, ...]
     ghost: int
-    lagrangian: np.ndarray
+    lagrangian: np.ndarray  #: (bodies,) bool: Mask of the bodies in the initial configuration.
 
     @property
     def vertices(self) -> tuple[int, ...]:

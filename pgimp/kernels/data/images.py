@@ -11,31 +11,19 @@ from pgimp.jit.kernel import inner_kernel
 
 
 class Images(NamedTuple):
-    """Images of the vertices beyond a face: of one that reflects or absorbs, or of a seam.
+    """Images of the vertices beyond a face: of one that reflects or absorbs, or of a seam."""
 
-    Attributes
-    ----------
-    axis, side : int
-        The face: direction, and -1 for its low end or 1 for its high end.
-    number : int
-        Its number among all faces with a condition; 6 more than the axis for a seam.
-    releases : bool
-        Whether it is unilateral: nothing is reflected beyond a vertex that moves away.
-    sticks : bool
-        Whether all components are reversed, not only the one across it.
-    follows : bool
-        Whether nothing is reversed. Without a period, vertices beyond it have the vertex on it as
-        their image.
-    period : int
-        Cells from a vertex on the face, or beyond it, to its image; 0 unless it is a seam.
-    """
-
+    #: axis, side: The face: direction, and -1 for its low end or 1 for its high end.
     axis: int
     side: int
-    number: int
+    number: int  #: Its number among all faces with a condition; 6 more than the axis for a seam.
+    #: Whether it is unilateral: nothing is reflected beyond a vertex that moves away.
     releases: bool
-    sticks: bool
+    sticks: bool  #: Whether all components are reversed, not only the one across it.
+    #: Whether nothing is reversed. Without a period, vertices beyond it have the vertex on it as
+    #: their image.
     follows: bool = False
+    #: Cells from a vertex on the face, or beyond it, to its image; 0 unless it is a seam.
     period: int = 0
 
     @classmethod
@@ -45,23 +33,14 @@ class Images(NamedTuple):
 
 
 class Image(NamedTuple):
-    """A vertex beyond a face, and the vertex inside that stands for it.
+    """A vertex beyond a face, and the vertex inside that stands for it."""
 
-    Attributes
-    ----------
-    plane : int
-        The vertex's plane.
-    beyond, inside : int
-        Offsets of both records; -1 if there is no image in the window, or in an active plane: then
-        the vertex has no weight.
-    wall : int
-        Offset of the record between them, on the face.
-    """
-
-    plane: int
+    plane: int  #: The vertex's plane.
+    #: beyond, inside: Offsets of both records; -1 if there is no image in the window, or in an
+    #: active plane: then the vertex has no weight.
     beyond: int
     inside: int
-    wall: int
+    wall: int  #: Offset of the record between them, on the face.
 
 
 @inner_kernel

@@ -30,49 +30,32 @@ KINETIC_NOW, KINETIC_BEFORE, INTERNAL, UNBALANCED, DAMPED = 4, 5, 6, 7, 8
 
 
 class Ledger(NamedTuple):
-    """Sums by plane; only planes that a rank owns count.
+    """Sums by plane; only planes that a rank owns count."""
 
-    Attributes
-    ----------
-    work : (planes,) float64
-        Work of loads, faces and constraints on the material.
-    impulse : (planes, faces, 3) float64
-        Impulse of each face with a condition.
-    outside_mass : (planes, faces) float64
-        Mass beyond each face in the last step.
-    constraint_impulse : (planes, constraints + turning ones, 3) float64
-        Impulse of each constraint, and then of each that turns the angular impulse about its centre
-        at each step's beginning.
-    wall_energy : (planes, faces, WALL_BOOKED) float64
-        Energy taken by each unilateral face, or each face that holds all components; the energy
-        that left through an absorbing face, as a loss; else zeros.
-    contact : (planes, entries, BOOKED) float64
-        Sums of each entry of contact.
-    rigid_bodies : (planes, rigid bodies, TOOLED) float64
-        Sums of each rigid body.
-    escaped : (planes, bodies, SUMS) float64
-        Sums of the particles that left, as in `layer_sums`; (planes, 0, 0) where none may leave.
-    filled : (planes, bodies, VOLUMES) float64
-        Volumes of flowing bodies at the last filling; else (planes, 0, VOLUMES).
-    damping : (planes, DAMPED) float64
-        Sums of damping and of settling; (planes, 0) without them.
-    crossed : (planes, 2 flux gauges, 3) float64
-        What has left through each surface: (mass, 0, 0), momentum.
-    traction_impulse : (planes, tractions, 3) float64
-        Impulse of each traction on a face, and then of each on a region's surface.
-    """
-
-    work: np.ndarray
-    impulse: np.ndarray
-    outside_mass: np.ndarray
+    work: np.ndarray  #: (planes,) float64: Work of loads, faces and constraints on the material.
+    impulse: np.ndarray  #: (planes, faces, 3) float64: Impulse of each face with a condition.
+    outside_mass: np.ndarray  #: (planes, faces) float64: Mass beyond each face in the last step.
+    #: (planes, constraints + turning ones, 3) float64: Impulse of each constraint, and then of each
+    #: that turns the angular impulse about its centre at each step's beginning.
     constraint_impulse: np.ndarray
+    #: (planes, faces, WALL_BOOKED) float64: Energy taken by each unilateral face, or each face that
+    #: holds all components; the energy that left through an absorbing face, as a loss; else zeros.
     wall_energy: np.ndarray
-    contact: np.ndarray
-    rigid_bodies: np.ndarray
+    contact: np.ndarray  #: (planes, entries, BOOKED) float64: Sums of each entry of contact.
+    rigid_bodies: np.ndarray  #: (planes, rigid bodies, TOOLED) float64: Sums of each rigid body.
+    #: (planes, bodies, SUMS) float64: Sums of the particles that left, as in `layer_sums`; (planes,
+    #: 0, 0) where none may leave.
     escaped: np.ndarray
+    #: (planes, bodies, VOLUMES) float64: Volumes of flowing bodies at the last filling; else
+    #: (planes, 0, VOLUMES).
     filled: np.ndarray
+    #: (planes, DAMPED) float64: Sums of damping and of settling; (planes, 0) without them.
     damping: np.ndarray
+    #: (planes, 2 flux gauges, 3) float64: What has left through each surface: (mass, 0, 0),
+    #: momentum.
     crossed: np.ndarray
+    #: (planes, tractions, 3) float64: Impulse of each traction on a face, and then of each on a
+    #: region's surface.
     traction_impulse: np.ndarray
 
     @classmethod
@@ -96,8 +79,6 @@ class Ledger(NamedTuple):
             Bodies and `SUMS`, where particles may leave.
         contacts : int
             Entries of contact.
-        rigid_bodies : int
-            Rigid bodies.
         others : (int, int, int, int)
             Bodies, in scenes where any flows; `DAMPED` with damping; flux gauges; tractions.
         """

@@ -22,17 +22,11 @@ KEPT_MASS, DISPLACEMENT, KEPT_VELOCITY = 0, 1, 5
 
 
 class VertexMotion(NamedTuple):
-    """Velocities and displacements of the vertices, from step to step.
+    """Velocities and displacements of the vertices, from step to step."""
 
-    Attributes
-    ----------
-    values : (planes * plane,) float64
-        Records, at the offsets of `Field.G`.
-    fields : (fields,) bool
-        Mask of the velocity fields that keep them, of bodies in the initial configuration.
-    """
-
-    values: FloatArray
+    values: FloatArray  #: (planes * plane,) float64: Records, at the offsets of `Field.G`.
+    #: (fields,) bool: Mask of the velocity fields that keep them, of bodies in the initial
+    #: configuration.
     fields: NDArray[np.bool_]
 
 

@@ -32,14 +32,9 @@ WEIGHT, MOTION = 4, 5
 
 
 class Calming(NamedTuple):
-    """Relaxed bodies.
+    """Relaxed bodies."""
 
-    Attributes
-    ----------
-    part : (bodies,) float64
-        Part of the null-mode velocity lost by each body; 0 for other bodies.
-    """
-
+    #: (bodies,) float64: Part of the null-mode velocity lost by each body; 0 for other bodies.
     part: FloatArray
 
 

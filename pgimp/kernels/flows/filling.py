@@ -55,18 +55,12 @@ REFLECTED = 1 << EXCESS | 1 << SURPLUS | 1 << OVERLAP
 
 
 class FillingSums(NamedTuple):
-    """Sums of the filling, in place of mass and momentum; see `Quantity`.
+    """Sums of the filling, in place of mass and momentum; see `Quantity`."""
 
-    Attributes
-    ----------
-    most : (bodies,) float64
-        The greatest J without voids where J is relaxed; 0 for other bodies, which only fill.
-    calming : Calming or ()
-        See `pgimp.kernels.flows.calming`.
-    """
-
+    #: (bodies,) float64: The greatest J without voids where J is relaxed; 0 for other bodies, which
+    #: only fill.
     most: FloatArray
-    calming: Calming | tuple[()] = ()
+    calming: Calming | tuple[()] = ()  #: Calming or (): See `pgimp.kernels.flows.calming`.
 
     @staticmethod
     def supports(quantity, shape, frame, window, particles, rows, layer, buffer):
@@ -89,39 +83,20 @@ class FillingSums(NamedTuple):
 
 
 class Filling(NamedTuple):
-    """The filling for a step's particles; () where nothing flows.
+    """The filling for a step's particles; () where nothing flows."""
 
-    Attributes
-    ----------
-    due : bool
-        Whether this step uses it.
-    window : Window
-        Of the records.
-    G : (planes * plane,) float64
-        EXCESS, FIELD, SURPLUS of the vertices, by field.
-    shift : (bodies,) float64
-        eps c t/h, 0 for bodies that do not flow.
-    relaxed : (bodies,) float64
-        Part of the difference between J and the vertices' field that J loses.
-    closed : (bodies,) float64
-        Part of gaps and of voids that closes in full neighbourhoods.
-    most : (bodies,) float64
-        See `FillingSums`.
-    gap : (bodies,) int64
-        Column of the state with the gap of loose soil; -1 for other bodies.
-    calming : Calming or ()
-        Relaxation of velocities.
-    """
-
-    due: bool
-    window: Window
-    G: FloatArray
-    shift: FloatArray
+    due: bool  #: Whether this step uses it.
+    window: Window  #: Of the records.
+    G: FloatArray  #: (planes * plane,) float64: EXCESS, FIELD, SURPLUS of the vertices, by field.
+    shift: FloatArray  #: (bodies,) float64: eps c t/h, 0 for bodies that do not flow.
+    #: (bodies,) float64: Part of the difference between J and the vertices' field that J loses.
     relaxed: FloatArray
+    #: (bodies,) float64: Part of gaps and of voids that closes in full neighbourhoods.
     closed: FloatArray
-    most: FloatArray
+    most: FloatArray  #: (bodies,) float64: See `FillingSums`.
+    #: (bodies,) int64: Column of the state with the gap of loose soil; -1 for other bodies.
     gap: IntArray
-    calming: Calming | tuple[()] = ()
+    calming: Calming | tuple[()] = ()  #: Calming or (): Relaxation of velocities.
 
 
 @kernel
@@ -134,8 +109,8 @@ def find_filling(frame, field, walls, rigid_bodies, fills, calming):
         See `Frame`, `Field`; the field holds the sums of `FillingSums`, with those beyond walls.
     walls : (6,) bool
         Which faces are walls: the low and the high end of x, y, z.
-    rigid_bodies : RigidBodies or ()
-        The rigid bodies.
+    rigid_bodies
+        RigidBodies or ().
     fills : (rigid bodies,) bool
         Which of them count as filled.
     calming : Calming or ()

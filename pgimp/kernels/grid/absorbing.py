@@ -30,31 +30,21 @@ REACTION, REACTION_MASS, PRESSURE_WAVE, SHEAR_WAVE, NUMBERS = 0, 3, 4, 5, 6
 
 
 class AbsorbingFace(NamedTuple):
-    """A face that absorbs.
+    """A face that absorbs."""
 
-    Attributes
-    ----------
-    axis, side, number : int
-        As in `Images`.
-    wall : int
-        Number of the vertices on it along its axis.
-    lower, extent : (3,) int64
-        A box of vertices, which has those on the face and beyond it that had mass: the first one,
-        and their number by direction.
-    values : (vertices + 1, NUMBERS) float64
-        Its vertices, row by row; the last row is of all others.
-    ring : tuple of 2 int
-        Number of the first plane that is another copy of one inside, and the planes of the ring
-        along x; 0 without periodic faces there.
-    """
-
+    #: axis, side, number: As in `Images`.
     axis: int
     side: int
     number: int
-    wall: int
+    wall: int  #: Number of the vertices on it along its axis.
+    #: lower, extent: (3,) int64: A box of vertices, which has those on the face and beyond it that
+    #: had mass: the first one, and their number by direction.
     lower: IntArray
     extent: IntArray
+    #: (vertices + 1, NUMBERS) float64: Its vertices, row by row; the last row is of all others.
     values: FloatArray
+    #: Number of the first plane that is another copy of one inside, and the planes of the ring
+    #: along x; 0 without periodic faces there.
     ring: tuple[int, int]
 
 
@@ -129,8 +119,8 @@ def absorb(frame, field, forcing, face, impulse, ledger, moving):
     ----------
     frame, field, forcing
         As in `update_momentum`, before it.
-    face : AbsorbingFace
-        The face.
+    face
+        AbsorbingFace.
     impulse : (3 * vertices,) float64
         Set to the impulses of the dashpots.
     ledger : Ledger

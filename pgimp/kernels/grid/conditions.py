@@ -14,26 +14,15 @@ from pgimp.kernels.loads.wall_gap import clearance_at
 
 
 class Holding(NamedTuple):
-    """Faces and constraints that may hold vertices.
+    """Faces and constraints that may hold vertices."""
 
-    Attributes
-    ----------
-    faces : Faces or ()
-        The conditions of the domain's faces.
-    frame : Frame
-        Position of the grid, and so of the faces.
-    forcing : Forcing
-        Its constraints come after the faces.
-    impulse : (faces, 3) float64
-        Grows by each face's impulse: a part of the ledger, or scratch where nothing is booked.
-    rate : float or ()
-        Rate at which the vertex's field takes the grid's velocity, see `grid_rate`.
-    """
-
-    faces: Faces | tuple[()]
-    frame: Frame
-    forcing: Forcing
+    faces: Faces | tuple[()]  #: Faces or (): The conditions of the domain's faces.
+    frame: Frame  #: Position of the grid, and so of the faces.
+    forcing: Forcing  #: Its constraints come after the faces.
+    #: (faces, 3) float64: Grows by each face's impulse: a part of the ledger, or scratch where
+    #: nothing is booked.
     impulse: FloatArray
+    #: float or (): Rate at which the vertex's field takes the grid's velocity, see `grid_rate`.
     rate: float | tuple[()]
 
 

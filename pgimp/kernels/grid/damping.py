@@ -26,24 +26,14 @@ from pgimp.kernels.grid.unbalanced import plane_sum
 
 
 class DampingForces(NamedTuple):
-    """Damping in one step.
+    """Damping in one step."""
 
-    Attributes
-    ----------
-    lost : float
-        Part of the velocity that mass-proportional damping takes, 1 - exp(-c dt).
-    local : float
-        Part of the unbalanced force that local damping takes.
-    impulse : (3 * vertices,) float64
-        The vertices' impulses by damping, set where the mass is above the cutoff.
-    scratch : (faces, 3) float64
-        For impulses of faces, which are not booked.
-    """
-
-    lost: float
-    local: float
+    lost: float  #: Part of the velocity that mass-proportional damping takes, 1 - exp(-c dt).
+    local: float  #: Part of the unbalanced force that local damping takes.
+    #: (3 * vertices,) float64: The vertices' impulses by damping, set where the mass is above the
+    #: cutoff.
     impulse: FloatArray
-    scratch: FloatArray
+    scratch: FloatArray  #: (faces, 3) float64: For impulses of faces, which are not booked.
 
 
 @kernel

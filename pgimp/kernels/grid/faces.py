@@ -18,18 +18,12 @@ _AXIS, _SIDE = PARAMETERS, PARAMETERS + 1
 
 
 class Faces(NamedTuple):
-    """The faces of a domain that have a condition; () stands for none.
+    """The faces of a domain that have a condition; () stands for none."""
 
-    Attributes
-    ----------
-    kinds : tuple of NamedTuple
-        Parameters of each possible kind of condition; only their types matter.
-    rows : (faces, n) float64
-        For each face the number of its kind, then its parameters one after the other: numbers,
-        booleans, and entries of tuples.
-    """
-
+    #: tuple of NamedTuple: Parameters of each possible kind of condition; only their types matter.
     kinds: tuple
+    #: (faces, n) float64: For each face the number of its kind, then its parameters one after the
+    #: other: numbers, booleans, and entries of tuples.
     rows: FloatArray
 
 

@@ -45,44 +45,23 @@ class MassRows(NamedTuple):
     """Rows of alpha C at the vertices of a rank's planes, without their diagonal.
 
     Offsets are within a plane, in float64: of records in `Field.G`, and of accelerations.
-
-    Attributes
-    ----------
-    start : (planes + 1,) int64
-        Beginning of each plane's rows.
-    vertex : (rows,) int64
-        Offset of the vertex's record.
-    pattern : (rows,) int64
-        Number of the row's entries, which others may have too.
-    first : (patterns + 1,) int64
-        Beginning of each pattern's entries.
-    column : (entries,) int64
-        Distance of the other vertex's acceleration.
-    value : (entries,) float64
-        Entries of alpha C.
-    scale : tuple of D float
-        Second differences that whole cells add along each direction, as a part.
-    run_start : (planes + 1,) int64
-        Beginning of each plane's runs of vertices amid whole cells.
-    span : (planes, 2) int64
-        Range of accelerations that a plane's runs need.
-    run : (runs, 2) int64
-        Offsets of the first acceleration and of the end of a run along the last direction.
-    mass : (runs,) float64
-        alpha times the vertices' mass.
     """
 
-    start: IntArray
-    vertex: IntArray
-    pattern: IntArray
-    first: IntArray
-    column: IntArray
-    value: FloatArray
+    start: IntArray  #: (planes + 1,) int64: Beginning of each plane's rows.
+    vertex: IntArray  #: (rows,) int64: Offset of the vertex's record.
+    pattern: IntArray  #: (rows,) int64: Number of the row's entries, which others may have too.
+    first: IntArray  #: (patterns + 1,) int64: Beginning of each pattern's entries.
+    column: IntArray  #: (entries,) int64: Distance of the other vertex's acceleration.
+    value: FloatArray  #: (entries,) float64: Entries of alpha C.
+    #: tuple of D float: Second differences that whole cells add along each direction, as a part.
     scale: tuple[float, ...]
+    #: (planes + 1,) int64: Beginning of each plane's runs of vertices amid whole cells.
     run_start: IntArray
-    span: IntArray
+    span: IntArray  #: (planes, 2) int64: Range of accelerations that a plane's runs need.
+    #: (runs, 2) int64: Offsets of the first acceleration and of the end of a run along the last
+    #: direction.
     run: IntArray
-    mass: FloatArray
+    mass: FloatArray  #: (runs,) float64: alpha times the vertices' mass.
 
 
 @kernel
@@ -173,8 +152,8 @@ def average_forces(field, A, reach, rows, planes, buffer):
         With the forces, before the momentum update.
     A, reach
         See `find_accelerations`; also of the planes below and above.
-    rows : MassRows
-        The rows.
+    rows
+        MassRows.
     planes : (int, int)
         The planes: from the first one up to the second.
     buffer : (plane / 2,) float64

@@ -19,28 +19,17 @@ MAX_PER_CELL = 4
 
 
 class CellSizes(NamedTuple):
-    """Numbers of particles of a cell, known to the compiler.
+    """Numbers of particles of a cell, known to the compiler."""
 
-    Attributes
-    ----------
-    dimension : int
-        2 or 3.
-    slices, rows, columns : int
-        Slices of a cell, and particles of a slice along its `first` and `second` direction.
-    groups : int
-        Groups of four particles of a slice.
-    planes : int
-        Planes of the cell's vertices in a slice's sums: 2 in 3D, else 1.
-    first, second : int
-        Directions of a slice.
-    """
-
-    dimension: int
+    dimension: int  #: 2 or 3.
+    #: slices, rows, columns: Slices of a cell, and particles of a slice along its `first` and
+    #: `second` direction.
     slices: int
     rows: int
     columns: int
-    groups: int
-    planes: int
+    groups: int  #: Groups of four particles of a slice.
+    planes: int  #: Planes of the cell's vertices in a slice's sums: 2 in 3D, else 1.
+    #: first, second: Directions of a slice.
     first: int
     second: int
 
@@ -63,30 +52,16 @@ def sizes_of(cells) -> CellSizes:
 
 
 class Derivatives(NamedTuple):
-    """Buffers for the derivatives of a cell's displacements.
+    """Buffers for the derivatives of a cell's displacements."""
 
-    Attributes
-    ----------
-    u : buffer
-        Displacements of the corners.
-    edges : buffer
-        Derivatives along x on the cell's edges, in 3D.
-    across : buffer
-        Derivatives along x by group of four particles of a slice, component by component, in 3D.
-    first : buffer
-        Derivatives along the first direction of a slice, by column.
-    second : buffer
-        Derivatives along the second direction of a slice, by row.
-    scratch : buffer
-        Values in between.
-    """
-
-    u: Any
-    edges: Any
+    u: Any  #: buffer: Displacements of the corners.
+    edges: Any  #: buffer: Derivatives along x on the cell's edges, in 3D.
+    #: buffer: Derivatives along x by group of four particles of a slice, component by component, in
+    #: 3D.
     across: Any
-    first: Any
-    second: Any
-    scratch: Any
+    first: Any  #: buffer: Derivatives along the first direction of a slice, by column.
+    second: Any  #: buffer: Derivatives along the second direction of a slice, by row.
+    scratch: Any  #: buffer: Values in between.
 
 
 @inlined

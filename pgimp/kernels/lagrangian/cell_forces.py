@@ -14,25 +14,14 @@ from pgimp.kernels.update.piola import keep_vectors
 
 
 class Stresses(NamedTuple):
-    """Buffers for -V0 P of a cell's particles, P the first Piola-Kirchhoff stress.
+    """Buffers for -V0 P of a cell's particles, P the first Piola-Kirchhoff stress."""
 
-    Attributes
-    ----------
-    across : buffer
-        Column of x summed over slices, as in `Derivatives.across`, in 3D.
-    first, second : buffer
-        Columns of both directions of a slice, by particle.
-    lines : buffer
-        Forces of a slice at the four lines of the cell along x.
-    sums : buffer
-        These of all slices, and their moments about the lower ends.
-    """
-
-    across: Any
+    across: Any  #: buffer: Column of x summed over slices, as in `Derivatives.across`, in 3D.
+    #: first, second: buffer: Columns of both directions of a slice, by particle.
     first: Any
     second: Any
-    lines: Any
-    sums: Any
+    lines: Any  #: buffer: Forces of a slice at the four lines of the cell along x.
+    sums: Any  #: buffer: These of all slices, and their moments about the lower ends.
 
 
 @inlined

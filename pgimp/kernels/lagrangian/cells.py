@@ -53,52 +53,29 @@ _FORCES = 4
 
 
 class Cells(NamedTuple):
-    """Cells of lattice particles, each of one body, in the order of their layers.
+    """Cells of lattice particles, each of one body, in the order of their layers."""
 
-    Attributes
-    ----------
-    setting : KernelScene
-        The scene.
-    loads : Loads or ()
-        Viscosity and mean dilatation of materials with a memory; () if all are elastic, without
-        either.
-    start : (layers + 1,) int64
-        Beginning of each layer.
-    place : (cells,) int64
-        Offset of the lowest vertex in its plane.
-    material : (cells,) int64
-        Number of the material.
-    volumes : (cells * slots,) float64
-        Initial volumes by slot, 0 without a particle. In 3D each plane of a cell's particles begins
-        with a multiple of four.
-    rows : (cells * slots,) int64
-        Rows of the particles with a memory; of four slots those without a particle repeat another
-        one's, or are -1 if all are.
-    fractions, distances : (D * MOST,) float64
-        Distances of the particles from the lower vertex along each direction, over its cell's
-        length, and themselves.
-    per_cell : tuple of D tuples
-        As long as there are particles along each direction.
-    controlled : bool
-        Whether to find the greatest speed.
-    rate : (1,) float64
-        Grows to the greatest speed over the cell, see `grid_speed`.
-    wrong : (capacity + 1,) int64
-        Number of particles at fault, then their slots up to the capacity.
-    """
-
-    setting: Any
+    setting: Any  #: KernelScene.
+    #: Loads or (): Viscosity and mean dilatation of materials with a memory; () if all are elastic,
+    #: without either.
     loads: Any
-    start: IntArray
-    place: IntArray
-    material: IntArray
+    start: IntArray  #: (layers + 1,) int64: Beginning of each layer.
+    place: IntArray  #: (cells,) int64: Offset of the lowest vertex in its plane.
+    material: IntArray  #: (cells,) int64: Number of the material.
+    #: (cells * slots,) float64: Initial volumes by slot, 0 without a particle. In 3D each plane of
+    #: a cell's particles begins with a multiple of four.
     volumes: FloatArray
+    #: (cells * slots,) int64: Rows of the particles with a memory; of four slots those without a
+    #: particle repeat another one's, or are -1 if all are.
     rows: IntArray
+    #: fractions, distances: (D * MOST,) float64: Distances of the particles from the lower vertex
+    #: along each direction, over its cell's length, and themselves.
     fractions: FloatArray
     distances: FloatArray
-    per_cell: tuple
-    controlled: bool
-    rate: FloatArray
+    per_cell: tuple  #: tuple of D tuples: As long as there are particles along each direction.
+    controlled: bool  #: Whether to find the greatest speed.
+    rate: FloatArray  #: (1,) float64: Grows to the greatest speed over the cell, see `grid_speed`.
+    #: (capacity + 1,) int64: Number of particles at fault, then their slots up to the capacity.
     wrong: NDArray
 
 

@@ -18,44 +18,32 @@ from pgimp.physics.loads.tractions import Traction
 
 
 class Loads(NamedTuple):
-    """The loads of one step.
+    """The loads of one step."""
 
-    Attributes
-    ----------
-    viscosity : Viscosity or ()
-        Artificial viscosity of shocks (45). See `pgimp.kernels.update.viscosity`.
-    tractions : tuple of Traction
-        Tractions on faces of bodies (18). See `pgimp.kernels.loads.tractions`.
-    force : BodyForce or ()
-        Body force that varies in space. See `pgimp.physics.exact.base`.
-    relaxation : float or ()
-        Rate at which particles relax to the grid's velocity. See `relaxed`.
-    affine : float or ()
-        A number where particles carry their velocity gradient. See `pgimp.kernels.update.affine`.
-    approached : tuple of Sides
-        For each direction the walls across it that need clearances. () without any.
-    mean : float, (bodies,) float64 or ()
-        A number where cells have one dilatation each. In scenes with liquids under gravity an
-        array, 1 for liquids and 0 for other bodies. See `pgimp.kernels.update.mean_dilatation`.
-    mean_lagrangian : float or ()
-        A number where cells have one dilatation each, of bodies in the initial configuration. See
-        `pgimp.kernels.update.mean_dilatation_lagrangian`.
-    rest : (bodies,) bool or ()
-        Bodies that come to rest on faces that hold every component. See
-        `pgimp.kernels.grid.resting`.
-    surfaces : tuple of SurfaceLoad
-        Loads on parts of surfaces. See `pgimp.kernels.loads.surfaces`.
-    """
-
+    #: Viscosity or (): Artificial viscosity of shocks (45). See `pgimp.kernels.update.viscosity`.
     viscosity: tuple = ()
+    #: Tractions on faces of bodies (18). See `pgimp.kernels.loads.tractions`.
     tractions: tuple[Traction, ...] = ()
+    #: BodyForce or (): Body force that varies in space. See `pgimp.physics.exact.base`.
     force: BodyForce | tuple[()] = ()
+    #: float or (): Rate at which particles relax to the grid's velocity. See `relaxed`.
     relaxation: float | tuple[()] = ()
+    #: float or (): A number where particles carry their velocity gradient. See
+    #: `pgimp.kernels.update.affine`.
     affine: float | tuple[()] = ()
+    #: For each direction the walls across it that need clearances. () without any.
     approached: tuple[Sides, ...] = ()
+    #: float, (bodies,) float64 or (): A number where cells have one dilatation each. In scenes with
+    #: liquids under gravity an array, 1 for liquids and 0 for other bodies. See
+    #: `pgimp.kernels.update.mean_dilatation`.
     mean: float | np.ndarray | tuple[()] = ()
+    #: float or (): A number where cells have one dilatation each, of bodies in the initial
+    #: configuration. See `pgimp.kernels.update.mean_dilatation_lagrangian`.
     mean_lagrangian: float | np.ndarray | tuple[()] = ()
+    #: (bodies,) bool or (): Bodies that come to rest on faces that hold every component. See
+    #: `pgimp.kernels.grid.resting`.
     rest: np.ndarray | tuple[()] = ()
+    #: Loads on parts of surfaces. See `pgimp.kernels.loads.surfaces`.
     surfaces: tuple[SurfaceLoad, ...] = ()
 
     def summed(self) -> Self:

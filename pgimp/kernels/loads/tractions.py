@@ -160,8 +160,8 @@ def scatter_tractions(tractions, setting, field, particles, rows, span, layer):
 
     Parameters
     ----------
-    tractions : tuple of Traction
-        The tractions.
+    tractions
+        tuple of Traction.
     setting, field, particles
         As in `particles_to_grid`.
     rows, span, layer
@@ -197,21 +197,11 @@ def half_step(follows, dt):
 
 
 class Booking(NamedTuple):
-    """Where a step books the impulses of loads.
+    """Where a step books the impulses of loads."""
 
-    Attributes
-    ----------
-    dt : float
-        Length of the step.
-    impulse : (planes, tractions, 3) float64
-        See `Ledger.traction_impulse`.
-    first : int
-        Row of the first load.
-    """
-
-    dt: float
-    impulse: np.ndarray
-    first: int
+    dt: float  #: Length of the step.
+    impulse: np.ndarray  #: (planes, tractions, 3) float64: See `Ledger.traction_impulse`.
+    first: int  #: Row of the first load.
 
 
 @inner_kernel

@@ -26,33 +26,19 @@ CLOSED = 0.01
 
 
 class Sides(NamedTuple):
-    """The walls across one direction; all numbers are 0 without any.
+    """The walls across one direction; all numbers are 0 without any."""
 
-    Attributes
-    ----------
-    low, high : float
-        Coordinates of the low and the high wall; equal if there is only one.
-    middle : float
-        Particles beyond it belong to the high wall.
-    peak : float
-        Distance from the wall at which w is greatest.
-    """
-
+    #: low, high: Coordinates of the low and the high wall; equal if there is only one.
     low: float
     high: float
-    middle: float
-    peak: float
+    middle: float  #: Particles beyond it belong to the high wall.
+    peak: float  #: Distance from the wall at which w is greatest.
 
 
 class Wall(NamedTuple):
-    """A face whose clearance is computed.
+    """A face whose clearance is computed."""
 
-    Attributes
-    ----------
-    axis, side, number : int
-        As in `Images`.
-    """
-
+    #: axis, side, number: As in `Images`.
     axis: int
     side: int
     number: int

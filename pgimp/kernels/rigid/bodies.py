@@ -51,32 +51,20 @@ RESPONSE = structure(("impulse", "f8", 6), ("trial_impulse", "f8", 6), ("derivat
 
 
 class RigidBodies(NamedTuple):
-    """The rigid bodies of a scene, for kernels.
+    """The rigid bodies of a scene, for kernels."""
 
-    Attributes
-    ----------
-    motion : (rigid bodies,) MOTION
-        Motion of each in the step, and position of its lattice.
-    lattice : (rigid bodies,) LATTICE
-        The shape of its lattice, and the vertices near it.
-    values : (points, 5) float64
-        Values of each `DistanceField`, one body after the other.
-    bodies : int
-        Number of the bodies with particles, which come first.
-    point : (1,) SURFACE
-        Scratch for the last result.
-    responses : (planes, free bodies) RESPONSE or ()
-        Impulses on free rigid bodies in a step, and their derivatives.
-    periods : (3,) float64 or ()
-        Period by direction, 0 where there is none; () if no face is periodic.
-    """
-
+    #: (rigid bodies,) MOTION: Motion of each in the step, and position of its lattice.
     motion: np.ndarray
+    #: (rigid bodies,) LATTICE: The shape of its lattice, and the vertices near it.
     lattice: np.ndarray
+    #: (points, 5) float64: Values of each `DistanceField`, one body after the other.
     values: np.ndarray
-    bodies: int
-    point: np.ndarray
+    bodies: int  #: Number of the bodies with particles, which come first.
+    point: np.ndarray  #: (1,) SURFACE: Scratch for the last result.
+    #: (planes, free bodies) RESPONSE or (): Impulses on free rigid bodies in a step, and their
+    #: derivatives.
     responses: Any
+    #: (3,) float64 or (): Period by direction, 0 where there is none; () if no face is periodic.
     periods: Any
 
 

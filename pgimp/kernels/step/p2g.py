@@ -28,14 +28,9 @@ from pgimp.kernels.step.sum_layer import sum_layer
 
 
 class SecondGroup(NamedTuple):
-    """Particles summed with another setting, into velocity fields of their own.
+    """Particles summed with another setting, into velocity fields of their own."""
 
-    Attributes
-    ----------
-    setting, loads, order
-        See `KernelScene`, `Loads`, `Order`; the order has the same layers.
-    """
-
+    #: setting, loads, order: See `KernelScene`, `Loads`, `Order`; the order has the same layers.
     setting: KernelScene
     loads: Loads
     order: Order

@@ -16,17 +16,11 @@ from pgimp.physics.shapes.base import by_corners, by_parts
 
 
 class Sums(NamedTuple):
-    """Sums over a support.
+    """Sums over a support."""
 
-    Attributes
-    ----------
-    M : float or ()
-        See `Loads.mean`: whether they include the mean dilatation's.
-    H : (float,) or ()
-        Whether they include the hoop's, of velocities times T_vp, as one more derivative.
-    """
-
-    M: NumbaObject
+    M: NumbaObject  #: float or (): See `Loads.mean`: whether they include the mean dilatation's.
+    #: (float,) or (): Whether they include the hoop's, of velocities times T_vp, as one more
+    #: derivative.
     H: tuple
 
     @staticmethod

@@ -15,30 +15,17 @@ from pgimp.physics.shapes.base import by_corners, by_parts
 
 
 class Share(NamedTuple):
-    """A particle's contributions to the vertices of its support, vectors (m, p) and (0, f).
+    """A particle's contributions to the vertices of its support, vectors (m, p) and (0, f)."""
 
-    Attributes
-    ----------
-    A : Vec4 or ()
-        Mass and momentum; a vertex gets the part S_vp, see `contribution`.
-    B : Vec4 or ()
-        Force; a vertex gets the part S_vp, see `weight`.
-    S : tuple of D Vec4
-        Force along each direction i times dS_vp/dx_i, see `contribution`.
-    C : tuple of D Vec4 or ()
-        Momentum times S_vp and the arm along each direction, see `affine_momentum`.
-    M : Vec4 or ()
-        Force times dD_p/dv_v, see `mean_force`.
-    H : Vec4 or ()
-        Force times T_vp, see `hoop_force`.
-    """
-
+    #: Vec4 or (): Mass and momentum; a vertex gets the part S_vp, see `contribution`.
     A: NumbaObject
-    B: NumbaObject
-    S: tuple
+    B: NumbaObject  #: Vec4 or (): Force; a vertex gets the part S_vp, see `weight`.
+    S: tuple  #: tuple of D Vec4: Force along each direction i times dS_vp/dx_i, see `contribution`.
+    #: tuple of D Vec4 or (): Momentum times S_vp and the arm along each direction, see
+    #: `affine_momentum`.
     C: tuple
-    M: NumbaObject
-    H: NumbaObject
+    M: NumbaObject  #: Vec4 or (): Force times dD_p/dv_v, see `mean_force`.
+    H: NumbaObject  #: Vec4 or (): Force times T_vp, see `hoop_force`.
 
     @staticmethod
     def lines(G, support, d, offset, counts, stride, Z, what):

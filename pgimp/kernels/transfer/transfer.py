@@ -18,18 +18,11 @@ from pgimp.kernels.transfer.supports import entries, extent, extents
 
 
 class Support(NamedTuple):
-    """Support of one of four particles.
+    """Support of one of four particles."""
 
-    Attributes
-    ----------
-    buffer
-        The supports of the four particles, see `pgimp.kernels.transfer.supports`.
-    j : int
-        Number of the particle among the four.
-    """
-
+    #: The supports of the four particles, see `pgimp.kernels.transfer.supports`.
     buffer: np.ndarray
-    j: int
+    j: int  #: Number of the particle among the four.
 
 
 @inlined

@@ -83,30 +83,21 @@ class ContactEntry(Model):
 
 
 class Pairs(NamedTuple):
-    """The law of each pair of bodies, for the kernels.
+    """The law of each pair of bodies, for the kernels."""
 
-    Attributes
-    ----------
-    entry : (bodies, bodies) int16
-        Number of the pair's entry, from 1, in the row of the body with the smaller number. It is
-        negative if the entry names the other body first, 0 if the bodies pass through each other.
-    kind : (entries + 1,) int64
-        `TIED` or `UNILATERAL`; the last is for pairs without an entry, which are tied.
-    laws : tuple of NamedTuple
-        Parameters of each registered unilateral law; only their types matter.
-    law : (entries + 1,) int64
-        Index of the entry's law in `laws`.
-    parameters : (entries + 1, n) float64
-        Parameters of the entry's law.
-    adhesion : (entries + 1, 3) float64
-        Normal and shear strength, and the gap up to which they hold; 0 without adhesion.
-    """
-
+    #: (bodies, bodies) int16: Number of the pair's entry, from 1, in the row of the body with the
+    #: smaller number. It is negative if the entry names the other body first, 0 if the bodies pass
+    #: through each other.
     entry: np.ndarray
+    #: (entries + 1,) int64: `TIED` or `UNILATERAL`; the last is for pairs without an entry, which
+    #: are tied.
     kind: np.ndarray
+    #: Parameters of each registered unilateral law; only their types matter.
     laws: tuple[NamedTuple, ...]
-    law: np.ndarray
-    parameters: np.ndarray
+    law: np.ndarray  #: (entries + 1,) int64: Index of the entry's law in `laws`.
+    parameters: np.ndarray  #: (entries + 1, n) float64: Parameters of the entry's law.
+    #: (entries + 1, 3) float64: Normal and shear strength, and the gap up to which they hold; 0
+    #: without adhesion.
     adhesion: np.ndarray
 
     @classmethod

@@ -31,30 +31,20 @@ _AXES = "xyz"
 
 
 class PlaneWaveParameters(NamedTuple):
-    """A wave along `axis`, with displacements along `swing`, and the solid that it runs through.
-
-    Attributes
-    ----------
-    young : float
-        Of `linear-1d`; else 0.
-    lam, mu : float
-        Lame's constants of the neo-Hookean solid.
-    low, wave, frequency, amplitude : float
-        X_0, k, w and A.
-    drift : tuple of 3 float
-        The uniform velocity.
-    """
+    """A wave along `axis`, with displacements along `swing`, and the solid that it runs through."""
 
     axis: int
     swing: int
-    young: float
+    young: float  #: Of `linear-1d`; else 0.
+    #: lam, mu: Lame's constants of the neo-Hookean solid.
     lam: float
     mu: float
+    #: low, wave, frequency, amplitude: X_0, k, w and A.
     low: float
     wave: float
     frequency: float
     amplitude: float
-    drift: tuple[float, float, float]
+    drift: tuple[float, float, float]  #: The uniform velocity.
 
     def scale(self, t: float) -> float:
         """Return the greatest stress of the wave, to which (47) refers."""

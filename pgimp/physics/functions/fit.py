@@ -30,8 +30,6 @@ def unfit(function: Function, source: Any, dimensions: int) -> str:
 
     Parameters
     ----------
-    function : Function
-        The function.
     source : NamedTuple
         The function with its parameters, see `source_of`.
     dimensions : int

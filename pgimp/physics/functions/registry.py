@@ -48,26 +48,13 @@ EXACT_SOLUTION = Kind(
 
 
 class Function(NamedTuple):
-    """A registered function.
+    """A registered function."""
 
-    Attributes
-    ----------
-    name : str
-        In a case.
-    kind : Kind
-        What it is.
-    function : function
-        The Python function.
-    given : tuple of str
-        What it is given first, in this order.
-    defaults : dict of str to Value or None
-        Its parameters, by their names in a case, with their defaults.
-    """
-
-    name: str
-    kind: Kind
-    function: Any
-    given: tuple[str, ...]
+    name: str  #: In a case.
+    kind: Kind  #: What it is.
+    function: Any  #: function: The Python function.
+    given: tuple[str, ...]  #: What it is given first, in this order.
+    #: Its parameters, by their names in a case, with their defaults.
     defaults: dict[str, Value | None]
 
     @property

@@ -33,52 +33,34 @@ class Constraint(NamedTuple):
 
 
 class VelocityFields(NamedTuple):
-    """Functions of one's own that prescribe velocities of a scene's constraints in a step.
+    """Functions of one's own that prescribe velocities of a scene's constraints in a step."""
 
-    Attributes
-    ----------
-    functions : tuple of NamedTuple
-        See `pgimp.physics.functions.call.source_of`.
-    like : tuple of D float
-        Zeros.
-    start, end : float
-        Times of the step.
-    """
-
+    #: tuple of NamedTuple: See `pgimp.physics.functions.call.source_of`.
     functions: tuple[Any, ...]
-    like: tuple[float, ...]
+    like: tuple[float, ...]  #: tuple of D float: Zeros.
+    #: start, end: Times of the step.
     start: float
     end: float
 
 
 class PlacedConstraint(NamedTuple):
-    """A constraint in one step whose velocity depends on the place; so are all of such a scene.
+    """A constraint in one step whose velocity depends on the place; so are all of such a scene."""
 
-    Attributes
-    ----------
-    held, velocity, rate
-        See `Constraint`; the velocity, at the centre, is the mean over the step if it turns.
-    centre : tuple of 3 float
-        A point of the axis at the step's beginning.
-    gradient, rate_gradient : tuple of 9 float
-        Gradients of velocity and mean acceleration by the place then, row-major.
-    moment : int
-        Row of its angular impulse in the ledger; -1 without one.
-    fields : VelocityFields or ()
-        Those of all constraints, where any has one.
-    field : int
-        Number of its own among them, in place of the above; -1 without one.
-    """
-
+    #: held, velocity, rate: See `Constraint`; the velocity, at the centre, is the mean over the
+    #: step if it turns.
     held: tuple[bool, bool, bool]
     velocity: Triple
     rate: Triple
+    #: tuple of 3 float: A point of the axis at the step's beginning.
     centre: Triple = (0.0, 0.0, 0.0)
+    #: gradient, rate_gradient: tuple of 9 float: Gradients of velocity and mean acceleration by the
+    #: place then, row-major.
     gradient: Matrix = NO_GRADIENT
     rate_gradient: Matrix = NO_GRADIENT
-    moment: int = -1
+    moment: int = -1  #: Row of its angular impulse in the ledger; -1 without one.
+    #: VelocityFields or (): Those of all constraints, where any has one.
     fields: VelocityFields | tuple[()] = ()
-    field: int = -1
+    field: int = -1  #: Number of its own among them, in place of the above; -1 without one.
 
 
 class ConstraintEntry(Model):

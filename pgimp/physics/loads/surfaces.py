@@ -25,26 +25,16 @@ def surface_width(dimensions: int) -> int:
 
 
 class Profile(NamedTuple):
-    """The size of a load along a line, during one step.
+    """The size of a load along a line, during one step."""
 
-    Attributes
-    ----------
-    direction : tuple of 3 float
-        Unit vector of the line.
-    origin : float
-        Where the table's coordinate is zero, along the direction from the origin of coordinates.
-    rows : (n, 2) float64
-        Coordinates, which increase, and factors; without any the factor is one everywhere.
-    outside : tuple of 2 float
-        Factors before the first row and after the last one.
-    half : tuple of 3 float
-        Half-widths of the particles' boxes in the initial state; 0 in missing directions.
-    """
-
-    direction: tuple[float, float, float]
+    direction: tuple[float, float, float]  #: Unit vector of the line.
+    #: Where the table's coordinate is zero, along the direction from the origin of coordinates.
     origin: float
+    #: (n, 2) float64: Coordinates, which increase, and factors; without any the factor is one
+    #: everywhere.
     rows: np.ndarray
-    outside: tuple[float, float]
+    outside: tuple[float, float]  #: Factors before the first row and after the last one.
+    #: Half-widths of the particles' boxes in the initial state; 0 in missing directions.
     half: tuple[float, float, float]
 
     def factors(self, x: np.ndarray) -> np.ndarray:
@@ -58,39 +48,22 @@ class Profile(NamedTuple):
 
 
 class SurfaceLoad(NamedTuple):
-    """A load on a part of a surface during one step.
+    """A load on a part of a surface during one step."""
 
-    Attributes
-    ----------
-    column : int
-        First of the columns of ``particles.surface`` with the particles' parts.
-    half : tuple of D float
-        Half-widths over which a part is spread, in the initial state; zeros for points.
-    follows : bool
-        Whether areas and normals are current; else initial.
-    stretches : bool
-        Whether distances from particles follow the deformation, as the particles' size does.
-    traction : tuple of 3 float
-        Force per area.
-    pressure : float
-        Force per area against the normal, at the origin of coordinates.
-    gradient : tuple of 3 float
-        Gradient of the pressure in space.
-    corrected : float or ()
-        A number where areas and normals follow the particles' positions, not their F alone; alike
-        for all loads of a scene.
-    profile : Profile or ()
-        Factor along a line; for all loads of a scene, if one has any.
-    """
-
-    column: int
+    column: int  #: First of the columns of ``particles.surface`` with the particles' parts.
+    #: tuple of D float: Half-widths over which a part is spread, in the initial state; zeros for
+    #: points.
     half: tuple[float, ...]
-    follows: bool
+    follows: bool  #: Whether areas and normals are current; else initial.
+    #: Whether distances from particles follow the deformation, as the particles' size does.
     stretches: bool
-    traction: tuple[float, float, float]
-    pressure: float
-    gradient: tuple[float, float, float]
+    traction: tuple[float, float, float]  #: Force per area.
+    pressure: float  #: Force per area against the normal, at the origin of coordinates.
+    gradient: tuple[float, float, float]  #: Gradient of the pressure in space.
+    #: float or (): A number where areas and normals follow the particles' positions, not their F
+    #: alone; alike for all loads of a scene.
     corrected: float | tuple[()] = ()
+    #: Profile or (): Factor along a line; for all loads of a scene, if one has any.
     profile: Profile | tuple[()] = ()
 
 
@@ -231,8 +204,6 @@ class ProfileEntry(Model):
         ----------
         half : sequence of float
             See `Profile`, (D,).
-        t : float
-            The time.
         shift : float
             Way to add to that since time 0, see `offset_in_stage`.
         """

@@ -32,60 +32,35 @@ def overlaps(width: float, spacing: float) -> int:
 
 
 class Traction(NamedTuple):
-    """One traction during one step.
+    """One traction during one step."""
 
-    Attributes
-    ----------
-    axis, side : int
-        The box's face: its normal in the initial state is `side` times the unit vector `axis`.
-    column : int
-        Column of ``particles.patch`` with the patches' areas.
-    reach : float
-        Distance of a patch's centre from its particle's along the axis, in the initial state.
-    half : tuple of float
-        Half-widths of a patch by direction in the initial state: along the axis a box's
-        half-width, across it chi_p's; zeros for points.
-    tents : bool
-        Whether chi_p, and so the patch across the axis, is a tent and not a box.
-    ends : bool
-        Whether weights are means over the ends of a box, not over all of it.
-    follows : bool
-        Whether patches follow the deformation gradient, as the particles of the shape do.
-    traction : tuple of 3 float
-        Force per current area.
-    pressure : float
-        Force per current area against the current normal.
-    """
-
+    #: axis, side: The box's face: its normal in the initial state is `side` times the unit vector
+    #: `axis`.
     axis: int
     side: int
-    column: int
+    column: int  #: Column of ``particles.patch`` with the patches' areas.
+    #: Distance of a patch's centre from its particle's along the axis, in the initial state.
     reach: float
+    #: Half-widths of a patch by direction in the initial state: along the axis a box's half-width,
+    #: across it chi_p's; zeros for points.
     half: tuple[float, ...]
-    tents: bool
-    ends: bool
+    tents: bool  #: Whether chi_p, and so the patch across the axis, is a tent and not a box.
+    ends: bool  #: Whether weights are means over the ends of a box, not over all of it.
+    #: Whether patches follow the deformation gradient, as the particles of the shape do.
     follows: bool
-    traction: tuple[float, float, float]
-    pressure: float
+    traction: tuple[float, float, float]  #: Force per current area.
+    pressure: float  #: Force per current area against the current normal.
 
 
 class Spread(NamedTuple):
-    """How the characteristic functions chi_p of a scene's particles are spread.
+    """How the characteristic functions chi_p of a scene's particles are spread."""
 
-    Attributes
-    ----------
-    spacing, half : (D,) float64
-        Distance of the particles, and the half-widths of chi_p, in the initial state.
-    chi : str
-        Kind of chi_p.
-    ends : bool
-        See `Traction`.
-    """
-
+    #: spacing, half: (D,) float64: Distance of the particles, and the half-widths of chi_p, in the
+    #: initial state.
     spacing: np.ndarray
     half: np.ndarray
-    chi: str
-    ends: bool
+    chi: str  #: Kind of chi_p.
+    ends: bool  #: See `Traction`.
 
 
 class TractionEntry(Model):
@@ -212,8 +187,6 @@ class TractionEntry(Model):
             Of the particles.
         follows : bool
             Whether the size of chi_p follows the deformation.
-        t : float
-            The time.
         """
         pressure, vector = self._values(t)
         chi, wide = spread.chi, [0.0 if spread.chi == "point" else float(h) for h in spread.half]

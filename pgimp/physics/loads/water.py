@@ -59,33 +59,16 @@ def vertical_of(gravity: object) -> tuple[int, float] | None:
 
 
 class Buoyancy(NamedTuple):
-    """The force of water in one step.
+    """The force of water in one step."""
 
-    Attributes
-    ----------
-    other : NamedTuple or ()
-        Source of another body force, see `pgimp.physics.exact.base.BodyForce`.
-    axis : int
-        The vertical.
-    up : float
-        1 where heights grow along the axis, else -1.
-    lift : float
-        Force per volume along the axis.
-    level : float
-        Height of the surface.
-    half : float
-        Half-height of a particle, over which it submerges.
-    inverse : (bodies,) float64
-        Initial volume per mass, 0 for bodies without water.
-    column : (bodies,) int64
-        Column of ``particles.own`` with the initial density where this varies; else -1.
-    """
-
+    #: NamedTuple or (): Source of another body force, see `pgimp.physics.exact.base.BodyForce`.
     other: Any
-    axis: int
-    up: float
-    lift: float
-    level: float
-    half: float
-    inverse: np.ndarray
+    axis: int  #: The vertical.
+    up: float  #: 1 where heights grow along the axis, else -1.
+    lift: float  #: Force per volume along the axis.
+    level: float  #: Height of the surface.
+    half: float  #: Half-height of a particle, over which it submerges.
+    inverse: np.ndarray  #: (bodies,) float64: Initial volume per mass, 0 for bodies without water.
+    #: (bodies,) int64: Column of ``particles.own`` with the initial density where this varies; else
+    #: -1.
     column: np.ndarray

@@ -38,30 +38,16 @@ STATE_NAME = re.compile("[a-z][a-z0-9-]*")
 
 
 class State(NamedTuple):
-    """A state variable of a material's particles, besides their stress.
+    """A state variable of a material's particles, besides their stress."""
 
-    Attributes
-    ----------
-    name : str
-        As ``output.fields`` and probes name it: small letters, digits and ``-``.
-    unit : str
-        Its unit, ``1`` for none.
-    meaning : str
-        Its description, for the reference and for the datasets of frames.
-    initial : float or str
-        Initial value, or the name of a number among the material's parameters.
-    tensor : bool
-        Whether it is a symmetric tensor, with the components of a stress, or one number.
-    least : float
-        Least value that a file of particles may give, for a scalar.
-    """
-
-    name: str
-    unit: str
-    meaning: str
+    name: str  #: As ``output.fields`` and probes name it: small letters, digits and ``-``.
+    unit: str  #: Its unit, ``1`` for none.
+    meaning: str  #: Its description, for the reference and for the datasets of frames.
+    #: Initial value, or the name of a number among the material's parameters.
     initial: float | str = 0.0
+    #: Whether it is a symmetric tensor, with the components of a stress, or one number.
     tensor: bool = False
-    least: float = -inf
+    least: float = -inf  #: Least value that a file of particles may give, for a scalar.
 
     def width(self, dimensions: int) -> int:
         """Number of its components."""

@@ -42,23 +42,16 @@ class Entry(NamedTuple):
 
 
 class EnergyBook(NamedTuple):
-    """Where the energy of a run came from, and where it went.
+    """Where the energy of a run came from, and where it went."""
 
-    Attributes
-    ----------
-    given, stored, taken : list of Entry
-        Energy at the start and supplied since; present, or gone with material; dissipated. The
-        last of `taken` closes the balance: what the method lost, artificial viscosity included.
-    scale : float
-        The greatest energy that was present or given.
-    moved : float
-        Energy set in motion: kinetic at the start, and whenever it rose from line to line.
-    """
-
+    #: given, stored, taken: Energy at the start and supplied since; present, or gone with material;
+    #: dissipated. The last of `taken` closes the balance: what the method lost, artificial
+    #: viscosity included.
     given: list[Entry]
     stored: list[Entry]
     taken: list[Entry]
-    scale: float
+    scale: float  #: The greatest energy that was present or given.
+    #: Energy set in motion: kinetic at the start, and whenever it rose from line to line.
     moved: float
 
     @property
@@ -124,27 +117,14 @@ def _known(values: Array) -> Array:
 
 
 class MomentumBook(NamedTuple):
-    """Momentum along one axis: impulses since the start, by name, and what they do not explain.
+    """Momentum along one axis: impulses since the start, by name, and what they do not explain."""
 
-    Attributes
-    ----------
-    axis : str
-        x, y or z.
-    change : float
-        Of the momentum, from the start to the last line.
-    impulses : list of (str, float)
-        On the material since the start.
-    rest : float
-        Change less impulses.
-    scale : float
-        Sum of the impulses' sizes, and the greatest momentum sqrt(2 m K) of any motion with as
-        much kinetic energy.
-    """
-
-    axis: str
-    change: float
-    impulses: list[tuple[str, float]]
-    rest: float
+    axis: str  #: x, y or z.
+    change: float  #: Of the momentum, from the start to the last line.
+    impulses: list[tuple[str, float]]  #: list of (str, float): On the material since the start.
+    rest: float  #: Change less impulses.
+    #: Sum of the impulses' sizes, and the greatest momentum sqrt(2 m K) of any motion with as much
+    #: kinetic energy.
     scale: float
 
 
@@ -178,8 +158,6 @@ def momentum_books(
 
     Parameters
     ----------
-    case : Case
-        The case.
     history : ndarray
         Lines of history.csv.
     edited : collection of str

@@ -26,24 +26,16 @@ _PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
 
 class BodyState(NamedTuple):
-    """A body in a frame.
-
-    Attributes
-    ----------
-    name : str
-    stretch, squeeze : float
-        Principal stretches that a hundredth of the particles exceed, or stay below; nan if unknown.
-    within_cells : float
-        Part of the mean square stress that varies within cells; nan if unknown, or without stress.
-    square : float
-        Sum of the squared stress times volume, of all of its particles.
-    """
+    """A body in a frame."""
 
     name: str
+    #: stretch, squeeze: Principal stretches that a hundredth of the particles exceed, or stay
+    #: below; nan if unknown.
     stretch: float
     squeeze: float
+    #: Part of the mean square stress that varies within cells; nan if unknown, or without stress.
     within_cells: float
-    square: float
+    square: float  #: Sum of the squared stress times volume, of all of its particles.
 
 
 def body_states(case: Case, frame: Frame) -> list[BodyState]:
@@ -51,8 +43,6 @@ def body_states(case: Case, frame: Frame) -> list[BodyState]:
 
     Parameters
     ----------
-    case : Case
-        The case.
     frame : Frame
         A complete frame.
 

@@ -19,33 +19,15 @@ _GREATEST = " of the greatest energy in the run"
 
 
 class Rule(NamedTuple):
-    """An indicator's quantity and its bound.
+    """An indicator's quantity and its bound."""
 
-    Attributes
-    ----------
-    label : str
-        The quantity, as messages and reports name it.
-    bound : float
-        The comfortable value: the greatest, or the least if `least`.
-    unit : str
-        ``%`` for a fraction that is shown in per cent; else a word, or nothing.
-    page : str
-        The page, with its section, that has the figures.
-    remedy : str
-        What lowers the error.
-    least : bool
-        Whether values below the bound are the uncomfortable ones.
-    of : str
-        What the value is relative to, where the quantity does not say it.
-    """
-
-    label: str
-    bound: float
-    unit: str
-    page: str
-    remedy: str
-    least: bool = False
-    of: str = ""
+    label: str  #: The quantity, as messages and reports name it.
+    bound: float  #: The comfortable value: the greatest, or the least if `least`.
+    unit: str  #: ``%`` for a fraction that is shown in per cent; else a word, or nothing.
+    page: str  #: The page, with its section, that has the figures.
+    remedy: str  #: What lowers the error.
+    least: bool = False  #: Whether values below the bound are the uncomfortable ones.
+    of: str = ""  #: What the value is relative to, where the quantity does not say it.
 
     def remedies(self, case: Case | None = None) -> str:
         """Return the remedy, without what a case does already."""
@@ -116,22 +98,12 @@ RULES = {
 
 
 class Indicator(NamedTuple):
-    """A value of an indicator.
+    """A value of an indicator."""
 
-    Attributes
-    ----------
-    name : str
-        One of `RULES`.
-    value : float
-    where : str
-        The body or rigid body that it is about; may be empty.
-    of : str
-        What else the value is relative to, with the value in that measure; may be empty.
-    """
-
-    name: str
+    name: str  #: One of `RULES`.
     value: float
-    where: str = ""
+    where: str = ""  #: The body or rigid body that it is about; may be empty.
+    #: What else the value is relative to, with the value in that measure; may be empty.
     of: str = ""
 
     @property

@@ -12,23 +12,13 @@ Indices = NDArray[np.int64]
 
 
 class Elements(NamedTuple):
-    """Elements of a surface.
+    """Elements of a surface."""
 
-    Attributes
-    ----------
-    box : (n, D) int64
-        The lattice boxes that they lie in, ascending.
-    centre : (n, D) float64
-        Points to which moments refer.
-    area : (n, D) float64
-        Area vectors, out of the body.
-    moment : (n, D, D) float64
-        Integrals of the position from `centre`, along the second index, times the normal.
-    """
-
-    box: Indices
-    centre: Reals
-    area: Reals
+    box: Indices  #: (n, D) int64: The lattice boxes that they lie in, ascending.
+    centre: Reals  #: (n, D) float64: Points to which moments refer.
+    area: Reals  #: (n, D) float64: Area vectors, out of the body.
+    #: (n, D, D) float64: Integrals of the position from `centre`, along the second index, times the
+    #: normal.
     moment: Reals
 
     @property

@@ -14,23 +14,15 @@ _LOOKS = 400_000
 
 
 class Extent(NamedTuple):
-    """Bounds of a body without examining its particles one by one.
+    """Bounds of a body without examining its particles one by one."""
 
-    Attributes
-    ----------
-    low, high : tuple of int
-        Corners of the part of the lattice that holds the body.
-    least, most : float
-        Bounds of the number of particles.
-    surface : float
-        Approximate number of boxes that the surface may cut.
-    """
-
+    #: low, high: Corners of the part of the lattice that holds the body.
     low: tuple[int, ...]
     high: tuple[int, ...]
+    #: least, most: Bounds of the number of particles.
     least: float
     most: float
-    surface: float
+    surface: float  #: Approximate number of boxes that the surface may cut.
 
     @property
     def boxes(self) -> tuple[int, ...]:

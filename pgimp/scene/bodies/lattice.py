@@ -36,45 +36,27 @@ _WITHIN = 1e-8
 
 
 class ParticleBlock(NamedTuple):
-    """Some particles of one body.
-
-    Attributes
-    ----------
-    body : int
-    positions : (n, D) float64
-        Points of the lattice.
-    ids : (n,) int64
-    fractions : (n,) float64
-        Volumes, over the volume of an uncut particle.
-    centroids : (n, D) float64
-        Centres of mass of the particles' parts of the body.
-    velocities : (n, D) float64 or None
-    stresses : (n, 3, 4 or 6) float64 or None
-    gradients : (n, D * D) float64 or None
-        Of the velocity.
-    states : dict of str to (n, k) float64
-        State variables of the material, and columns that serve as its parameters, by name. These
-        and the three entries above come from a particle file.
-    rows : (n,) int64 or None
-        Rows of the file.
-    columns, saved : mapping, Saved or None
-        Whole state by column, and what it is of, if the file is a run's own.
-    products : (n, 1 or 4) float64 or None
-        Products of inertia of the parts, of bodies that are exact to their surface.
-    """
+    """Some particles of one body."""
 
     body: int
-    positions: NDArray[np.float64]
-    ids: NDArray[np.int64]
-    fractions: NDArray[np.float64]
+    positions: NDArray[np.float64]  #: (n, D) float64: Points of the lattice.
+    ids: NDArray[np.int64]  #: (n,) int64.
+    fractions: NDArray[np.float64]  #: (n,) float64: Volumes, over the volume of an uncut particle.
+    #: (n, D) float64: Centres of mass of the particles' parts of the body.
     centroids: NDArray[np.float64]
-    velocities: NDArray[np.float64] | None = None
-    stresses: NDArray[np.float64] | None = None
-    gradients: NDArray[np.float64] | None = None
+    velocities: NDArray[np.float64] | None = None  #: (n, D) float64 or None.
+    stresses: NDArray[np.float64] | None = None  #: (n, 3, 4 or 6) float64 or None.
+    gradients: NDArray[np.float64] | None = None  #: (n, D * D) float64 or None: Of the velocity.
+    #: dict of str to (n, k) float64: State variables of the material, and columns that serve as its
+    #: parameters, by name. These and the three entries above come from a particle file.
     states: Mapping[str, NDArray[np.float64]] = MappingProxyType({})
-    rows: NDArray[np.int64] | None = None
+    rows: NDArray[np.int64] | None = None  #: (n,) int64 or None: Rows of the file.
+    #: columns, saved: mapping, Saved or None: Whole state by column, and what it is of, if the file
+    #: is a run's own.
     columns: Mapping[str, NDArray] = MappingProxyType({})
     saved: Saved | None = None
+    #: (n, 1 or 4) float64 or None: Products of inertia of the parts, of bodies that are exact to
+    #: their surface.
     products: NDArray[np.float64] | None = None
 
     def places(self, box: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -93,8 +75,6 @@ class Lattice:
 
     Parameters
     ----------
-    case : Case
-        The case.
     only : set of str, optional
         The bodies that matter; the others count as empty.
     """

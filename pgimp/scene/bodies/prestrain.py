@@ -78,8 +78,6 @@ def find_deformation(
 
     Parameters
     ----------
-    scene : Scene
-        The scene.
     some : (Particles, (n,) int64)
         Particles, and the rows of the body.
     name : str

@@ -268,8 +268,6 @@ def parts_of(body: LatticeBody, elements: Elements, x: Reals, ring: bool) -> tup
 
     Parameters
     ----------
-    body : LatticeBody
-        The body.
     elements : Elements
         The elements of the surface within `AWAY` boxes from the particles.
     x : (n, D) float64
@@ -340,8 +338,6 @@ def face_elements(body: LatticeBody, axis: int, side: int, planes: tuple[int, in
 
     Parameters
     ----------
-    body : LatticeBody
-        The body.
     axis, side : int
         The face's normal is `side` times the unit vector `axis`.
     planes : (int, int)

@@ -11,27 +11,18 @@ Reals = NDArray[np.float64]
 
 
 class VolumeFractions(NamedTuple):
-    """Volume fractions and moments of a body in the boxes of a part of the lattice.
+    """Volume fractions and moments of a body in the boxes of a part of the lattice."""
 
-    Attributes
-    ----------
-    ranges : list of (int, int)
-        The part of the lattice: first box and end by direction; its boxes are numbered in C order.
-    whole : bool, one for each box
-        Boxes that lie entirely inside, except the boxes in `indices`.
-    indices : (n,) int64
-        Numbers of boxes with a fraction other than 0 and 1, ascending.
-    fractions : (n,) float64
-        Volume of their parts inside, over the volume of a box.
-    moments : (n, D or 2^D - 1) float64
-        Integrals over their parts of the position relative to the box's centre, over the volume
-        of a box. Of bodies that are exact to their surface also of its components' products.
-    """
-
+    #: list of (int, int): The part of the lattice: first box and end by direction; its boxes are
+    #: numbered in C order.
     ranges: Ranges
+    #: bool, one for each box: Boxes that lie entirely inside, except the boxes in `indices`.
     whole: NDArray[np.bool_]
-    indices: Indices
-    fractions: Reals
+    indices: Indices  #: (n,) int64: Numbers of boxes with a fraction other than 0 and 1, ascending.
+    fractions: Reals  #: (n,) float64: Volume of their parts inside, over the volume of a box.
+    #: (n, D or 2^D - 1) float64: Integrals over their parts of the position relative to the box's
+    #: centre, over the volume of a box. Of bodies that are exact to their surface also of its
+    #: components' products.
     moments: Reals
 
     @property

@@ -29,7 +29,6 @@ def bonded(scene: Scene, lattice: Lattice, counts: np.ndarray, touching: bool) -
 
     Parameters
     ----------
-    scene : Scene
     lattice, counts
         See `count_particles`.
     touching : bool

@@ -22,38 +22,22 @@ _Reals = np.ndarray[Any, np.dtype[np.float64]]
 
 @dataclass(frozen=True)
 class BodyFacts:
-    """Facts about a body before the run.
-
-    Attributes
-    ----------
-    name : str
-    particles : int
-    wave_speed, top_speed : float
-        At rest; the greatest initial speed of a particle.
-    density : float
-    low, high : tuple of float
-        Corners of its bounding box.
-    velocity : tuple of float
-        Mean of the particles' initial velocities.
-    rigid : bool
-        Whether all particles start with `velocity`.
-    rest_rate : float
-        See `rest_rate`.
-    varies : dict of str to (float, float, float)
-        Least, mean and greatest value of spatially varying material parameters, by key. Density,
-        wave speed and rate are then maxima.
-    """
+    """Facts about a body before the run."""
 
     name: str
     particles: int
+    #: wave_speed, top_speed: At rest; the greatest initial speed of a particle.
     wave_speed: float
     top_speed: float
     density: float
+    #: low, high: Corners of its bounding box.
     low: tuple[float, ...]
     high: tuple[float, ...]
-    velocity: tuple[float, ...]
-    rigid: bool
-    rest_rate: float
+    velocity: tuple[float, ...]  #: Mean of the particles' initial velocities.
+    rigid: bool  #: Whether all particles start with `velocity`.
+    rest_rate: float  #: See `rest_rate`.
+    #: dict of str to (float, float, float): Least, mean and greatest value of spatially varying
+    #: material parameters, by key. Density, wave speed and rate are then maxima.
     varies: dict[str, tuple[float, float, float]]
 
     @property
@@ -69,26 +53,17 @@ class BodyFacts:
 
 @dataclass
 class Findings:
-    """Facts about the particles of a case, body by body.
-
-    Attributes
-    ----------
-    bodies : list of BodyFacts
-    held : (constraints + 1,) int64
-        Number of particles that each constraint holds, from the second entry on.
-    away : dict of str to float
-        For each probe, the distance of the closest particle. For a material point: from the
-        particle's centre. For a fixed position: the largest component, in cells.
-    later : list of LaterConstraint
-        Constraints of later stages.
-    held_later : (len(later),) int64
-        Number of particles in the regions of the later constraints.
-    """
+    """Facts about the particles of a case, body by body."""
 
     bodies: list[BodyFacts]
+    #: (constraints + 1,) int64: Number of particles that each constraint holds, from the second
+    #: entry on.
     held: np.ndarray
+    #: For each probe, the distance of the closest particle. For a material point: from the
+    #: particle's centre. For a fixed position: the largest component, in cells.
     away: dict[str, float]
-    later: list[LaterConstraint]
+    later: list[LaterConstraint]  #: Constraints of later stages.
+    #: (len(later),) int64: Number of particles in the regions of the later constraints.
     held_later: np.ndarray
 
 
@@ -99,7 +74,6 @@ def examine(
 
     Parameters
     ----------
-    scene : Scene
     lattice, counts
         See `count_particles`.
     stages : sequence of Case

@@ -15,22 +15,12 @@ from pgimp.scene.checks.warned import Warned, warned
 
 
 class LaterConstraint(NamedTuple):
-    """A constraint that selects its particles at the beginning of a later stage.
+    """A constraint that selects its particles at the beginning of a later stage."""
 
-    Attributes
-    ----------
-    case : Case
-        The stage's.
-    name : str
-    body : int
-        Number of its body.
-    region : Region
-    """
-
-    case: Case
+    case: Case  #: The stage's.
     name: str
-    body: int
-    region: Any
+    body: int  #: Number of its body.
+    region: Any  #: Region.
 
 
 def later_constraints(cases: Sequence[Case]) -> list[LaterConstraint]:

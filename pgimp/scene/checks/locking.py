@@ -23,8 +23,6 @@ def locking(case: Case, poisson: Mapping[str, float] | None = None) -> Iterator[
 
     Parameters
     ----------
-    case : Case
-        The case.
     poisson : mapping of str to float, optional
         Greatest Poisson's ratio of bodies where it varies in space.
     """

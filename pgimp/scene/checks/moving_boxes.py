@@ -37,16 +37,11 @@ TOUCH = 1e-6
 
 
 class Box(NamedTuple):
-    """Bounding box of a body over time.
-
-    Attributes
-    ----------
-    name : str
-    low, high : (instants, D) float64
-        Corners; for a body that turns, they enclose all its orientations from the second instant.
-    """
+    """Bounding box of a body over time."""
 
     name: str
+    #: low, high: (instants, D) float64: Corners; for a body that turns, they enclose all its
+    #: orientations from the second instant.
     low: np.ndarray
     high: np.ndarray
 
@@ -97,8 +92,6 @@ def _borne(case: Case, starts: np.ndarray, ways: list[np.ndarray]) -> None:
 
     Parameters
     ----------
-    case : Case
-        The case.
     starts : (bodies, 2, D) float64
         Low and high corners at the start.
     ways : list of (instants, D) float64

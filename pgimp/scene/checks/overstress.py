@@ -44,11 +44,8 @@ def measure(scene: Scene, particles: Particles, count: int, comm: Communicator) 
 
     Parameters
     ----------
-    scene : Scene
     particles : Particles
         The rank's particles, which store their stress; the first `count` are examined.
-    count : int
-    comm : Comm
     """
     found: list[Warned] = []
     for body in yielding(scene):

@@ -46,8 +46,6 @@ def strains(case: Case, body: BodyFacts) -> dict[str, float]:
 
     Parameters
     ----------
-    case : Case
-        The case.
     body : BodyFacts
         One of its bodies.
 
@@ -107,8 +105,6 @@ def body_warnings(
 
     Parameters
     ----------
-    case : Case
-        The case.
     body : BodyFacts
         One of its bodies.
     duration : float
@@ -178,8 +174,6 @@ def case_warnings(case: Case, found: Findings) -> Iterator[Warned]:
 
     Parameters
     ----------
-    case : Case
-        The case.
     found : Findings
         See `pgimp.scene.checks.facts.examine`.
     """
@@ -276,8 +270,6 @@ def small_step_warning(dt: float, rate: float, key: str = "time.step") -> list[W
 
     Parameters
     ----------
-    dt : float
-        The step.
     rate : float
         Largest (c_p + |v_p|)/L, 1/time.
     key : str

@@ -22,21 +22,13 @@ _CLAMPED = 0.5
 
 
 class Support(NamedTuple):
-    """A held part of a body.
-
-    Attributes
-    ----------
-    name : str
-    low, high : tuple of float
-        Corners of its bounding box.
-    held : tuple of bool
-        Directions in which the body is held there.
-    """
+    """A held part of a body."""
 
     name: str
+    #: low, high: Corners of its bounding box.
     low: tuple[float, ...]
     high: tuple[float, ...]
-    held: tuple[bool, ...]
+    held: tuple[bool, ...]  #: Directions in which the body is held there.
 
 
 def supports(case: Case, body: BodyFacts) -> Iterator[Support]:
@@ -44,8 +36,6 @@ def supports(case: Case, body: BodyFacts) -> Iterator[Support]:
 
     Parameters
     ----------
-    case : Case
-        The case.
     body : BodyFacts
         One of its bodies.
     """
@@ -100,8 +90,6 @@ def own_weight(case: Case, body: BodyFacts) -> dict[str, float]:
 
     Parameters
     ----------
-    case : Case
-        The case.
     body : BodyFacts
         One of its bodies.
     """

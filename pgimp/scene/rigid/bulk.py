@@ -18,19 +18,11 @@ _BOXES, _ACROSS, _MOST = (1000, 256, 64), 48, 1_000_000
 
 
 class Bulk(NamedTuple):
-    """Inertia of a body.
-
-    Attributes
-    ----------
-    mass : float
-    centre : (float, float, float)
-        Centre of mass at the start.
-    inertia : tuple of 9 float
-        The matrix of moments of inertia about it, in the directions of the start.
-    """
+    """Inertia of a body."""
 
     mass: float
-    centre: tuple[float, float, float]
+    centre: tuple[float, float, float]  #: Centre of mass at the start.
+    #: tuple of 9 float: The matrix of moments of inertia about it, in the directions of the start.
     inertia: tuple[float, ...]
 
 

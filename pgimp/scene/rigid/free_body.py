@@ -20,27 +20,16 @@ Six = tuple[float, ...]
 
 
 class State(NamedTuple):
-    """State of motion of a free rigid body.
+    """State of motion of a free rigid body."""
 
-    Attributes
-    ----------
-    centre : (3,) float
-        Its centre of mass.
-    turn : (4,) float
-        Unit quaternion of its rotation since the start, real part first.
-    momentum, spin : (3,) float
-        Momentum; angular momentum about the centre.
-    angle : (3,) float
-        Integral of its angular velocity since the start.
-    home : (3,) float or ()
-        In periodic domains the image of its centre that is within.
-    """
-
-    centre: Triple
+    centre: Triple  #: (3,) float: Its centre of mass.
+    #: (4,) float: Unit quaternion of its rotation since the start, real part first.
     turn: tuple[float, float, float, float]
+    #: momentum, spin: (3,) float: Momentum; angular momentum about the centre.
     momentum: Triple
     spin: Triple
-    angle: Triple
+    angle: Triple  #: (3,) float: Integral of its angular velocity since the start.
+    #: (3,) float or (): In periodic domains the image of its centre that is within.
     home: tuple[float, ...] = ()
 
     @property

@@ -43,17 +43,10 @@ def rings(frame: Frame, periods: NDArray[np.float64]) -> tuple[Ring, ...]:
 
 
 class Middle(NamedTuple):
-    """How the middle of a body's lattice is found from a pose, in a periodic domain.
+    """How the middle of a body's lattice is found from a pose, in a periodic domain."""
 
-    Attributes
-    ----------
-    rings : tuple of Ring
-        The directions.
-    start, own : (3,) float64
-        The middle at the start, and from the reference point then.
-    """
-
-    rings: tuple[Ring, ...]
+    rings: tuple[Ring, ...]  #: The directions.
+    #: start, own: (3,) float64: The middle at the start, and from the reference point then.
     start: NDArray[np.float64]
     own: NDArray[np.float64]
 
@@ -73,8 +66,6 @@ def place(
         None in domains that are not periodic.
     motion : Motion or sequence of float
         How it moves; of a free body the image of its centre that is within the domain.
-    time : float
-        The time.
     """
     row["centre"], row["rotation"] = pose[0], np.reshape(pose[1], (3, 3))
     if middle is None:

@@ -35,23 +35,12 @@ _Ends = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 class Measured(NamedTuple):
-    """Measures of a body from its region.
-
-    Attributes
-    ----------
-    field : DistanceField
-    thick : float
-        Its thickness.
-    inertia : Bulk or None
-        Inertia of a free body.
-    ends : (2, D) float64
-        Least and greatest coordinates of the whole body.
-    """
+    """Measures of a body from its region."""
 
     field: DistanceField
-    thick: float
-    inertia: Bulk | None
-    ends: NDArray[np.float64]
+    thick: float  #: Its thickness.
+    inertia: Bulk | None  #: Inertia of a free body.
+    ends: NDArray[np.float64]  #: (2, D) float64: Least and greatest coordinates of the whole body.
 
 
 def require_densities(case: Case) -> None:

@@ -45,8 +45,6 @@ class SceneRigidBodies:
 
     Parameters
     ----------
-    case : Case
-        The case.
     frame : Frame
         Where the grid lies.
     periods : (D,) float64
@@ -54,8 +52,10 @@ class SceneRigidBodies:
 
     Attributes
     ----------
-    names : list of str
-    entries : list of RigidBody
+    names
+        list of str.
+    entries
+        list of RigidBody.
     fields : list of DistanceField
         Their distances, after `measure`.
     rate : float

@@ -69,8 +69,8 @@ class Calls:
     ----------
     each : Each
         The function.
-    core : Simulation
-        The simulation.
+    core
+        Simulation.
     stored : dict or None
         What a checkpoint has, see `stored`.
     """

@@ -21,8 +21,6 @@ class Exchange:
 
     Parameters
     ----------
-    comm : communicator
-        Of all ranks.
     where : str
         The call, for messages.
     """

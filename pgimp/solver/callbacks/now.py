@@ -73,7 +73,7 @@ class Now:
         The columns of the history, as after the step.
     loads : Loads
         The controlled loads, which may be set.
-    state : dict
+    state
         The function's own, which checkpoints hold; equal on all ranks.
     """
 

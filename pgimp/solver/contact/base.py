@@ -23,32 +23,20 @@ class NoContact:
 
     A step calls the methods in the order of their definition. All are collective.
 
-    Parameters
-    ----------
-    scene : Scene
-        The scene.
-    comm : communicator
-        Of all ranks.
-
     Attributes
     ----------
     at_vertices : bool
         Whether bodies exchange impulses at shared vertices, for output in frames.
     bears : bool
         Whether `exchange` leaves impulses to constraints, at vertices that they hold.
-    fields : tuple of int
-        Number of each body's velocity field; () if all share one for ever.
-    free : FreeBodies or None
-        The rigid bodies that move freely, if any.
-    data : Contact or ()
-        The kernels' data for contact vertices; () without any.
     """
 
     at_vertices = False
     bears = False
+    #: Number of each body's velocity field; () if all share one for ever.
     fields: tuple[int, ...] = ()
-    free: FreeBodies | None = None
-    data: Any = ()
+    free: FreeBodies | None = None  #: The rigid bodies that move freely, if any.
+    data: Any = ()  #: Contact or (): The kernels' data for contact vertices; () without any.
 
     def __init__(self, scene: Scene, comm: Communicator) -> None:
         self.scene, self.comm = scene, comm

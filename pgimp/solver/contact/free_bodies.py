@@ -44,13 +44,6 @@ LOOKS, TRAVEL = 16, 0.2
 class FreeBodies:
     """The free rigid bodies; every rank has all of them.
 
-    Parameters
-    ----------
-    scene : Scene
-        The scene.
-    comm : communicator
-        Of all ranks.
-
     Attributes
     ----------
     states : list of State
@@ -122,8 +115,6 @@ class FreeBodies:
             The bodies in the step, without impulses yet.
         grid : Grid
             The rank's planes.
-        t : Step
-            The step.
         gravity : tuple of 3 float
             Force per mass.
         find_rigid_impulses : callable

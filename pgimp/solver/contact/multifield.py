@@ -47,8 +47,6 @@ class MultifieldContact(NoContact):
     ----------
     scene : Scene
         The scene, which has contact.
-    comm : communicator
-        Of all ranks.
 
     Attributes
     ----------

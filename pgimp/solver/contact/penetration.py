@@ -44,15 +44,7 @@ def placed(rigid_bodies: SceneRigidBodies, time: float, states: list[State] | No
 
 
 class PenetrationCorrection(StepPart):
-    """The rigid bodies of a scene that hold particles out, on one rank.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene.
-    comm : communicator
-        Of all ranks.
-    """
+    """The rigid bodies of a scene that hold particles out, on one rank."""
 
     def __init__(self, scene: Scene, comm: Communicator) -> None:
         self.scene, self.comm = scene, comm
@@ -135,12 +127,8 @@ def particles_inside(rank: RankState, rows: np.ndarray, time: float, depth: floa
 
     Parameters
     ----------
-    rank : RankState
-        The rank.
     rows : (n,) int32
         Rows of the particles.
-    time : float
-        The time.
     depth : float
         In smallest sides of a cell.
 

@@ -108,8 +108,6 @@ class AbsorbingFaces(StepPart):
 
         Parameters
         ----------
-        source : CheckpointFile
-            The checkpoint.
         read : callable
             Reads a dataset of a given shape.
 

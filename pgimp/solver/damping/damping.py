@@ -34,13 +34,7 @@ from pgimp.solver.vertices import StepPart, VertexUpdate
 
 
 class VertexDamping(StepPart):
-    """Damping on one rank.
-
-    Parameters
-    ----------
-    entry : Damping
-        The entry of the case.
-    """
+    """Damping on one rank."""
 
     def __init__(self, entry: Damping) -> None:
         self.entry, self._rested = entry, False

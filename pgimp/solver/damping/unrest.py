@@ -15,8 +15,6 @@ def what_moves(rank: RankState, cycle: float) -> str:
 
     Parameters
     ----------
-    rank : RankState
-        The rank.
     cycle : float
         Steps in half a period of the motion.
     """

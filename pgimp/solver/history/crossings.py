@@ -35,13 +35,7 @@ class _Near(NamedTuple):
 
 
 class Crossings(StepPart):
-    """Counts of a scene's flux gauges.
-
-    Parameters
-    ----------
-    gauges : list of FluxGauge
-        The gauges.
-    """
+    """Counts of a scene's flux gauges."""
 
     def __init__(self, gauges: list[FluxGauge]) -> None:
         self._gauges = gauges

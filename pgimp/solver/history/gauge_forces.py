@@ -31,27 +31,13 @@ Array = np.ndarray
 
 
 class Vertices(NamedTuple):
-    """Vertices of a rank's own planes with a force, in order.
+    """Vertices of a rank's own planes with a force, in order."""
 
-    Attributes
-    ----------
-    plane : (n,) int64
-        Their planes.
-    planes : int
-        Number of the rank's own planes.
-    position : (n, 3) float64
-        Where the grid has them.
-    now : (n, 3) float64
-        Where their material is: displaced, in the initial configuration.
-    force : (n, 3) float64
-        Sums of the forces on them.
-    """
-
-    plane: Array
-    planes: int
-    position: Array
-    now: Array
-    force: Array
+    plane: Array  #: (n,) int64: Their planes.
+    planes: int  #: Number of the rank's own planes.
+    position: Array  #: (n, 3) float64: Where the grid has them.
+    now: Array  #: (n, 3) float64: Where their material is: displaced, in the initial configuration.
+    force: Array  #: (n, 3) float64: Sums of the forces on them.
 
     def sums(self, terms: Array) -> Array:
         """Return sums by plane of terms (n, k), (planes, k)."""
@@ -98,10 +84,6 @@ def sum_vertices(rank: RankState, time: float, gauge: Gauge, external: bool) -> 
 
     Parameters
     ----------
-    rank : RankState
-        The rank.
-    time : float
-        The time.
     gauge : Gauge
         Chooses the particles.
     external : bool

@@ -18,30 +18,14 @@ Array = np.ndarray
 
 
 class Side(NamedTuple):
-    """A plane of a surface.
+    """A plane of a surface."""
 
-    Attributes
-    ----------
-    normal : tuple of D float
-        Out of the inside.
-    point : tuple of D float
-        A point of the plane.
-    width : float
-        Size of a cell along the normal.
-    period : float
-        Period of the domain along the normal, 0 without one.
-    rest : float
-        Part of the tent about the plane that lies beyond the domain's outer end.
-    seen : float
-        Part of it that lies in the domain.
-    """
-
-    normal: tuple[float, ...]
-    point: tuple[float, ...]
-    width: float
-    period: float = 0.0
-    rest: float = 0.0
-    seen: float = 1.0
+    normal: tuple[float, ...]  #: tuple of D float: Out of the inside.
+    point: tuple[float, ...]  #: tuple of D float: A point of the plane.
+    width: float  #: Size of a cell along the normal.
+    period: float = 0.0  #: Period of the domain along the normal, 0 without one.
+    rest: float = 0.0  #: Part of the tent about the plane that lies beyond the domain's outer end.
+    seen: float = 1.0  #: Part of it that lies in the domain.
 
     def beyond(self, points: Array) -> Array:
         """Return the distance of points (n, D) beyond the plane, in cells."""
@@ -155,8 +139,8 @@ def surface_of(
 
     Parameters
     ----------
-    region : HalfSpace or Box
-        The region.
+    region
+        HalfSpace or Box.
     cell : sequence of float
         Size of a cell by direction.
     ends : sequence of (float, float)

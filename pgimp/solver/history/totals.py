@@ -21,88 +21,50 @@ T = TypeVar("T")
 
 
 class Totals(NamedTuple):
-    """Data of all ranks for a line of the history.
+    """Data of all ranks for a line of the history."""
 
-    Attributes
-    ----------
-    scene : Scene
-        The scene of the run.
-    done : Step
-        The last step.
-    bodies : (bodies, columns) float64
-        Sums over the particles of each body, see `layer_sums`.
-    total : (columns,) float64
-        Sums over all particles.
-    escaped : (columns,) float64
-        Sums of the particles removed since the start, at their removal.
-    removed, added : (columns,) float64
-        Sums of bodies removed by stages, at their removal, and of bodies that came in stages.
-    inflow : (columns,) float64
-        Sums of the particles that have entered by inflow, as they did.
-    changed : float
-        Strain energy added by new parameters of materials as stages began.
-    settling_time : float
-        Time that the steps of stages that settle have taken.
-    initial_losses : (LOSSES,) float64
-        Losses in the particles' state that do not belong to this run: initial losses, and changes
-        by new parameters.
-    first_energy : float
-        Kinetic and strain energy at the start.
-    work : float
-        External work since the start.
-    force : (faces + constraints + turning + tractions + entries of contact + rows below, 3) float64
-        Mean force of each on the material since the last line, mean moment of each constraint that
-        turns. At the end two rows for each flux gauge: (mass, 0, 0) and momentum that left per
-        time. For rigid bodies mean forces on them, then mean moments.
-    outside_mass : (faces,) float64
-        Mass beyond each face in the last step.
-    walls : (faces, WALL_BOOKED) float64
-        Energy taken by each face.
-    contact : (entries, BOOKED) float64
-        The ledger of contact.
-    rigid_bodies : (rigid bodies, TOOLED) float64
-        The ledger of rigid bodies.
-    inside : (rigid bodies,) int64
-        Particles deeper in each than a quarter of a cell.
-    filled : (bodies, VOLUMES) float64
-        The ledger of volumes of flowing bodies.
-    damping : (DAMPED,) float64
-        The ledger of damping; (0,) without it.
-    free : dict of int to (FreeBody, State)
-        The free rigid bodies, by number, and their states.
-    moved : (constraints, 3) float64
-        Displacements of constraints under given forces, zeros without any.
-    errors, greatest : (ERRORS,) float64
-        Sums and maxima of the errors, see `layer_errors`; zeros without exact solution.
-    gauges, means : dict of str to ndarray
-        What the gauges measure, see `pgimp.solver.history.gauges`, and means over time.
-    """
-
-    scene: Scene
-    done: Step
+    scene: Scene  #: The scene of the run.
+    done: Step  #: The last step.
+    #: (bodies, columns) float64: Sums over the particles of each body, see `layer_sums`.
     bodies: np.ndarray
-    total: np.ndarray
+    total: np.ndarray  #: (columns,) float64: Sums over all particles.
+    #: (columns,) float64: Sums of the particles removed since the start, at their removal.
     escaped: np.ndarray
+    #: removed, added: (columns,) float64: Sums of bodies removed by stages, at their removal, and
+    #: of bodies that came in stages.
     removed: np.ndarray
     added: np.ndarray
+    #: (columns,) float64: Sums of the particles that have entered by inflow, as they did.
     inflow: np.ndarray
-    changed: float
-    settling_time: float
+    changed: float  #: Strain energy added by new parameters of materials as stages began.
+    settling_time: float  #: Time that the steps of stages that settle have taken.
+    #: (LOSSES,) float64: Losses in the particles' state that do not belong to this run: initial
+    #: losses, and changes by new parameters.
     initial_losses: np.ndarray
-    first_energy: float
-    work: float
+    first_energy: float  #: Kinetic and strain energy at the start.
+    work: float  #: External work since the start.
+    #: (faces + constraints + turning + tractions + entries of contact + rows below, 3) float64:
+    #: Mean force of each on the material since the last line, mean moment of each constraint that
+    #: turns. At the end two rows for each flux gauge: (mass, 0, 0) and momentum that left per time.
+    #: For rigid bodies mean forces on them, then mean moments.
     force: np.ndarray
-    outside_mass: np.ndarray
-    walls: np.ndarray
-    contact: np.ndarray
-    rigid_bodies: np.ndarray
-    inside: np.ndarray
-    filled: np.ndarray
-    damping: np.ndarray
+    outside_mass: np.ndarray  #: (faces,) float64: Mass beyond each face in the last step.
+    walls: np.ndarray  #: (faces, WALL_BOOKED) float64: Energy taken by each face.
+    contact: np.ndarray  #: (entries, BOOKED) float64: The ledger of contact.
+    rigid_bodies: np.ndarray  #: (rigid bodies, TOOLED) float64: The ledger of rigid bodies.
+    inside: np.ndarray  #: (rigid bodies,) int64: Particles deeper in each than a quarter of a cell.
+    filled: np.ndarray  #: (bodies, VOLUMES) float64: The ledger of volumes of flowing bodies.
+    damping: np.ndarray  #: (DAMPED,) float64: The ledger of damping; (0,) without it.
+    #: dict of int to (FreeBody, State): The free rigid bodies, by number, and their states.
     free: dict[int, tuple[FreeBody, State]]
+    #: (constraints, 3) float64: Displacements of constraints under given forces, zeros without any.
     moved: np.ndarray
+    #: errors, greatest: (ERRORS,) float64: Sums and maxima of the errors, see `layer_errors`; zeros
+    #: without exact solution.
     errors: np.ndarray
     greatest: np.ndarray
+    #: gauges, means: What the gauges measure, see `pgimp.solver.history.gauges`, and means over
+    #: time.
     gauges: dict[str, np.ndarray]
     means: dict[str, np.ndarray]
 
@@ -182,36 +144,21 @@ class Totals(NamedTuple):
 
 
 class Column(NamedTuple):
-    """A column of history.csv, or one for each axis.
+    """A column of history.csv, or one for each axis."""
 
-    Attributes
-    ----------
-    name : str
-        NAME or FACE stands for the group's names, AXIS for x, y, z.
-    unit, meaning : str
-        Texts for the reference.
-    value : callable
-        Takes `Totals` and the number of the name in the group; returns a number. With AXIS it
-        returns one for each axis, None for axes without a column.
-    """
-
-    name: str
+    name: str  #: NAME or FACE stands for the group's names, AXIS for x, y, z.
+    #: unit, meaning: Texts for the reference.
     unit: str
     meaning: str
+    #: Takes `Totals` and the number of the name in the group; returns a number. With AXIS it
+    #: returns one for each axis, None for axes without a column.
     value: Callable[[Totals, int], Any]
 
 
 class Group(NamedTuple):
-    """Columns that follow each other for each name.
+    """Columns that follow each other for each name."""
 
-    Attributes
-    ----------
-    names : callable
-        Takes the scene; returns the names for NAME or FACE. Columns without them are written
-        once if there is any name.
-    columns : tuple of Column
-        In their order.
-    """
-
+    #: Takes the scene; returns the names for NAME or FACE. Columns without them are written once if
+    #: there is any name.
     names: Callable[[Scene], Sequence[str]]
-    columns: tuple[Column, ...]
+    columns: tuple[Column, ...]  #: In their order.

@@ -28,11 +28,6 @@ class AveragedMass(StepPart):
 
     While a run comes to rest the lumped mass is enough.
 
-    Parameters
-    ----------
-    scene : Scene
-        The scene.
-
     Attributes
     ----------
     alpha : (bodies,) float64

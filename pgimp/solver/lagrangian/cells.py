@@ -29,21 +29,15 @@ class LatticeCells(NamedTuple):
 
     Attributes
     ----------
-    cells : Cells
-        The cells.
-    rows : (slots,) int32
-        Row of the particle in each slot, or -1.
     others, inside : Order
         The particles that are in no cell: off the lattice, or with a traction; and those in cells.
-    is_inside : (capacity,) bool
-        Whether the particle in a row is in a cell.
     """
 
     cells: Cells
-    rows: np.ndarray
+    rows: np.ndarray  #: (slots,) int32: Row of the particle in each slot, or -1.
     off_lattice: Order
     inside: Order
-    is_inside: np.ndarray
+    is_inside: np.ndarray  #: (capacity,) bool: Whether the particle in a row is in a cell.
 
 
 def no_cells(scene: Scene, layers: int) -> Cells:
@@ -88,8 +82,6 @@ def _find(
 
     Parameters
     ----------
-    rank : RankState
-        The rank.
     run : slice
         Their offsets in the order.
     fits : (n,) bool
@@ -173,8 +165,6 @@ def report_cells(rank: RankState, errors: np.ndarray, wrong: int, rate: float) -
 
     Parameters
     ----------
-    rank : RankState
-        The rank.
     errors : (capacity, 2) int64
         Rows and errors of the particles at fault.
     wrong, rate : int, float

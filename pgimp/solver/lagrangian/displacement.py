@@ -12,13 +12,7 @@ from pgimp.solver.rank_state import RankState
 
 
 class Displacement:
-    """Updates of a rank's lattice particles, in the initial configuration.
-
-    Parameters
-    ----------
-    rank : RankState
-        The rank.
-    """
+    """Updates of a rank's lattice particles, in the initial configuration."""
 
     def __init__(self, rank: RankState) -> None:
         self._rank = rank

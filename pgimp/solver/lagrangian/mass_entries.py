@@ -13,27 +13,13 @@ from pgimp.kernels.lagrangian.averaged_mass import NUMBERS
 
 
 class Weighed(NamedTuple):
-    """Particles with a part in the averaged mass, an entry each.
+    """Particles with a part in the averaged mass, an entry each."""
 
-    Attributes
-    ----------
-    layer : (n,) int64
-        The layer, counted from the rank's first one.
-    id : (n,) int64
-        The number.
-    mass : (n,) float64
-        alpha times the mass.
-    first : (n,) int64
-        Number of the first vertex of the support in its plane.
-    weights : (n, D, vertices) float64
-        Weights along each direction.
-    """
-
-    layer: np.ndarray
-    id: np.ndarray
-    mass: np.ndarray
-    first: np.ndarray
-    weights: np.ndarray
+    layer: np.ndarray  #: (n,) int64: The layer, counted from the rank's first one.
+    id: np.ndarray  #: (n,) int64: The number.
+    mass: np.ndarray  #: (n,) float64: alpha times the mass.
+    first: np.ndarray  #: (n,) int64: Number of the first vertex of the support in its plane.
+    weights: np.ndarray  #: (n, D, vertices) float64: Weights along each direction.
 
     def chosen(self, which: np.ndarray) -> Weighed:
         """Some of them."""

@@ -32,8 +32,6 @@ def find_rows(rank: RankState, alpha: np.ndarray) -> MassRows:
 
     Parameters
     ----------
-    rank : RankState
-        The rank.
     alpha : (bodies,) float64
         Part of the consistent mass by body; 0 for those with lumped mass.
     """
@@ -74,8 +72,6 @@ def _whole_cells(
 
     Parameters
     ----------
-    rank : RankState
-        The rank.
     rows, layer, mass : (n,)
         Its particles with averaged mass, their layers, and alpha times their masses.
 

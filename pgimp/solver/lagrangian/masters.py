@@ -18,26 +18,15 @@ _BLOCK = 4096
 
 
 class Vertices(NamedTuple):
-    """What a rank's vertices hold of the cells around them.
+    """What a rank's vertices hold of the cells around them."""
 
-    Attributes
-    ----------
-    rank : Rank
-        The rank.
-    keys : (planes, fields, y, z) int64
-        Numbers of the vertices and fields in the whole grid.
-    held : (planes, fields, y, z) float64
-        Volumes of particles times weights, over that of a cell.
-    exact : (planes, fields, y, z) bool
-        Where a body is that is exact to its surface.
-    faces : sequence of (int, int)
-        Axis and number of the planes of vertices with a condition.
-    """
-
-    rank: RankState
+    rank: RankState  #: Rank.
+    #: (planes, fields, y, z) int64: Numbers of the vertices and fields in the whole grid.
     keys: np.ndarray
+    #: (planes, fields, y, z) float64: Volumes of particles times weights, over that of a cell.
     held: np.ndarray
-    exact: np.ndarray
+    exact: np.ndarray  #: (planes, fields, y, z) bool: Where a body is that is exact to its surface.
+    #: sequence of (int, int): Axis and number of the planes of vertices with a condition.
     faces: Sequence[tuple[int, int]]
 
     @staticmethod
@@ -117,8 +106,6 @@ def choose_masters(
 
     Parameters
     ----------
-    vertices : Vertices
-        The vertices.
     keys : (n,) int64
         The slaves.
     known, held : (k,) int64, (k,) float64

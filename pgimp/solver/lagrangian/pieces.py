@@ -34,8 +34,6 @@ def by_layers(rank: RankState, order: Order, *sums: Callable[[Particles, Order],
 
     Parameters
     ----------
-    rank : RankState
-        The rank.
     order : Order
         The particles, by layer.
     *sums : callable

@@ -38,45 +38,29 @@ _FORCE = slice(FORCE, FORCE + 3)
 
 
 class Rows(NamedTuple):
-    """Where a rank has the slaves and their masters, until its planes or its window change.
+    """Where a rank has the slaves and their masters, until its planes or its window change."""
 
-    Attributes
-    ----------
-    slaves, own : (n,) int64
-        Number of each slave's record, -1 where the rank has none; whether the rank owns it.
-    masters : (m,) int64
-        Likewise of all masters.
-    shared : tuple of 2 (k,) int64
-        Numbers of slaves, and of masters, that other ranks may need; ascending, as ranks are.
-    mine : tuple of 2 (j,) int64
-        Numbers of the rank's own ones among both.
-    counts : (2, ranks) int64
-        How many of both each rank has.
-    changed : (c,) int64
-        Numbers of changes of mass at the rank's own vertices; their records and layers follow.
-    records, layers : (c,) int64
-    """
-
+    #: slaves, own: (n,) int64: Number of each slave's record, -1 where the rank has none; whether
+    #: the rank owns it.
     slaves: np.ndarray
     own: np.ndarray
-    masters: np.ndarray
+    masters: np.ndarray  #: (m,) int64: Likewise of all masters.
+    #: tuple of 2 (k,) int64: Numbers of slaves, and of masters, that other ranks may need;
+    #: ascending, as ranks are.
     shared: tuple[np.ndarray, np.ndarray]
+    #: tuple of 2 (j,) int64: Numbers of the rank's own ones among both.
     mine: tuple[np.ndarray, np.ndarray]
-    counts: np.ndarray
+    counts: np.ndarray  #: (2, ranks) int64: How many of both each rank has.
+    #: (c,) int64: Numbers of changes of mass at the rank's own vertices; their records and layers
+    #: follow.
     changed: np.ndarray
+    #: records, layers: (c,) int64.
     records: np.ndarray
     layers: np.ndarray
 
 
 class Slaves(StepPart):
     """The slaves of a scene's bodies that are exact to their surface.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene.
-    comm : communicator
-        Of all ranks.
 
     Attributes
     ----------
@@ -112,8 +96,6 @@ class Slaves(StepPart):
 
         Parameters
         ----------
-        rank : Rank
-            The rank.
         vertices : Vertices
             What its vertices hold of cells.
         masses : (bodies, planes, y, z) float64

@@ -28,13 +28,6 @@ VELOCITY, DISPLACEMENT, DEFLECTION, BORNE, STATES = 0, 1, 2, 3, 4
 class Grips(StepPart):
     """The grips of a scene that given forces move; every rank has all of them.
 
-    Parameters
-    ----------
-    scene : Scene
-        The scene.
-    comm : communicator
-        Of all ranks.
-
     Attributes
     ----------
     controls : (constraints, 3) int64

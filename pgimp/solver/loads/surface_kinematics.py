@@ -31,8 +31,6 @@ class SurfaceKinematics(StepPart):
     ----------
     scene : Scene
         The scene, in which loads follow surfaces in the current configuration.
-    comm : communicator
-        Of all ranks.
 
     Attributes
     ----------

@@ -44,8 +44,6 @@ class Source:
 
     Parameters
     ----------
-    scene : Scene
-        The scene.
     name : str
         The inflow, and its body.
     particles : Particles
@@ -107,8 +105,6 @@ class Inflow(StepPart):
 
     Parameters
     ----------
-    scene : Scene
-        The scene.
     before : Inflow, optional
         That of the stage before, which goes on.
 

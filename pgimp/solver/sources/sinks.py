@@ -23,11 +23,6 @@ class Sinks(StepPart):
     """The sinks of a scene.
 
     Particles are looked at in the box around a region, and the region is asked of these alone.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene.
     """
 
     def __init__(self, scene: Scene) -> None:

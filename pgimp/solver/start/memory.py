@@ -25,45 +25,21 @@ BASE = 100_000_000
 
 
 class Part(NamedTuple):
-    """Memory of a rank for one purpose.
+    """Memory of a rank for one purpose."""
 
-    Attributes
-    ----------
-    what : str
-        Its name, for messages.
-    size : float
-        Bytes.
-    advice : str
-        Changes of the case that would reduce it.
-    shared : bool
-        Whether more ranks reduce it.
-    """
-
-    what: str
-    size: float
-    advice: str
-    shared: bool = True
+    what: str  #: Its name, for messages.
+    size: float  #: Bytes.
+    advice: str  #: Changes of the case that would reduce it.
+    shared: bool = True  #: Whether more ranks reduce it.
 
 
 class Estimate(NamedTuple):
-    """Memory of a rank beyond its memory at the start.
+    """Memory of a rank beyond its memory at the start."""
 
-    Attributes
-    ----------
-    particles : float
-        Of all ranks, about.
-    each : int
-        Bytes for each of a rank's particles at the peak.
-    parts : list of Part
-        Memory at the peak; the largest first.
-    untouched : Part
-        Further allocations, not touched without particles.
-    """
-
-    particles: float
-    each: int
-    parts: list[Part]
-    untouched: Part
+    particles: float  #: Of all ranks, about.
+    each: int  #: Bytes for each of a rank's particles at the peak.
+    parts: list[Part]  #: Memory at the peak; the largest first.
+    untouched: Part  #: Further allocations, not touched without particles.
 
     @property
     def size(self) -> float:
@@ -126,8 +102,6 @@ def estimate(
 
     Parameters
     ----------
-    scene : Scene
-        The scene.
     ranks : int
         Number of ranks.
     first : bool

@@ -39,23 +39,14 @@ _MET = (
 
 
 class Failure(NamedTuple):
-    """The step that failed; equal on every rank.
+    """The step that failed; equal on every rank."""
 
-    Attributes
-    ----------
-    number : int
-        Particles at fault on all ranks.
-    step, time, dt : int, float, float
-        Number, end and length of the step.
-    text : str
-        The message to the user.
-    """
-
-    number: int
+    number: int  #: Particles at fault on all ranks.
+    #: step, time, dt: int, float, float: Number, end and length of the step.
     step: int
     time: float
     dt: float
-    text: str
+    text: str  #: The message to the user.
 
 
 def collect_errors(rank: RankState, step: Step) -> Failure:

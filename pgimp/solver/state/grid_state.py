@@ -34,32 +34,21 @@ _CORNERS = (
 
 
 class ActiveGrid(NamedTuple):
-    """Vertices and cells of a rank, in order of x, y, z; the ranks follow each other.
+    """Vertices and cells of a rank, in order of x, y, z; the ranks follow each other."""
 
-    Attributes
-    ----------
-    position : (n, 3) float64
-        Positions of the vertices: all with mass, and corners of the cells.
-    mass, momentum, force : (n,), (n, 3), (n, 3) float64
-        Sums over the particles; the force includes gravity.
-    contact : (n, 3) float64
-        See `_contact`; zeros where it is not requested.
-    cells : (c, 2^D) int64
-        Vertices of the cells that contain centres of particles, numbered over all ranks.
-    first : (int, int)
-        Number of the rank's first vertex and cell.
-    total : (int, int)
-        Vertices and cells of all ranks.
-    """
-
+    #: (n, 3) float64: Positions of the vertices: all with mass, and corners of the cells.
     position: np.ndarray
+    #: mass, momentum, force: (n,), (n, 3), (n, 3) float64: Sums over the particles; the force
+    #: includes gravity.
     mass: np.ndarray
     momentum: np.ndarray
     force: np.ndarray
-    contact: np.ndarray
+    contact: np.ndarray  #: (n, 3) float64: See `_contact`; zeros where it is not requested.
+    #: (c, 2^D) int64: Vertices of the cells that contain centres of particles, numbered over all
+    #: ranks.
     cells: np.ndarray
-    first: tuple[int, int]
-    total: tuple[int, int]
+    first: tuple[int, int]  #: Number of the rank's first vertex and cell.
+    total: tuple[int, int]  #: Vertices and cells of all ranks.
 
 
 def active_grid(rank: Rank, time: float, dt: float = 0.0) -> ActiveGrid:
@@ -67,10 +56,6 @@ def active_grid(rank: Rank, time: float, dt: float = 0.0) -> ActiveGrid:
 
     Parameters
     ----------
-    rank : Rank
-        The rank.
-    time : float
-        The time.
     dt : float
         Length of the step for the forces of contact; 0: without them.
     """

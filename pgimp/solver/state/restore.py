@@ -38,10 +38,6 @@ def outline(scene: Scene, source: CheckpointFile, comm: Communicator) -> tuple[S
     ----------
     scene : Scene
         The scene of the case, with the changes allowed to a resume.
-    source : CheckpointFile
-        The checkpoint.
-    comm : communicator
-        Of all ranks.
 
     Raises
     ------

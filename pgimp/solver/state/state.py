@@ -143,8 +143,6 @@ def capture(
 
     Parameters
     ----------
-    rank : Rank
-        The rank.
     done : Step
         The last step.
     rate : float

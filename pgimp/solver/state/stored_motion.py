@@ -67,8 +67,6 @@ def set_motion(rank: Rank, field: int, vertices: np.ndarray, values: np.ndarray)
 
     Parameters
     ----------
-    rank : Rank
-        The rank.
     field : int
         The velocity field.
     vertices : (n, 3) int64

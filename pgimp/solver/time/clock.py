@@ -238,8 +238,6 @@ def clock_of(case: Case, rest_rate: float = inf, before: int = 0) -> FixedClock 
 
     Parameters
     ----------
-    case : Case
-        The case.
     rest_rate : float
         The largest c_p/L of its materials at rest.
     before : int

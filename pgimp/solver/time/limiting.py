@@ -31,8 +31,6 @@ def limiting(scene: Scene, rate: float) -> Limit:
 
     Parameters
     ----------
-    scene : Scene
-        The scene.
     rate : float
         Largest (c_p + |v_p|)/L at the start, 1/time.
     """

@@ -65,10 +65,6 @@ def check_first_step(scene: Scene, dt: float, rate: float) -> list[Warned]:
 
     Parameters
     ----------
-    scene : Scene
-        The scene.
-    dt : float
-        The step.
     rate : float
         Largest (c_p + |v_p|)/L, 1/time.
 
@@ -94,8 +90,6 @@ def require_end(scene: Scene, rate: float) -> None:
 
     Parameters
     ----------
-    scene : Scene
-        The scene.
     rate : float
         Largest (c_p + |v_p|)/L, 1/time.
 
@@ -127,10 +121,6 @@ def require_stable(scene: Scene, dt: float, rate: float) -> None:
 
     Parameters
     ----------
-    scene : Scene
-        The scene.
-    dt : float
-        The step.
     rate : float
         Largest (c_p + |v_p|)/L, 1/time.
 

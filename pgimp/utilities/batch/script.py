@@ -26,60 +26,31 @@ class _Text(string.Template):
 
 @dataclass(frozen=True)
 class Job:
-    """The run of a script, and its resources; texts have no control characters.
+    """The run of a script, and its resources; texts have no control characters."""
 
-    Attributes
-    ----------
-    scheduler : str
-        ``slurm`` or ``pbs``.
-    name : str
-        Name of the job; letters, digits and ``_.+-``.
-    ranks, nodes : int
-        Number of ranks, and of nodes for them; 0 nodes leave the choice to the scheduler.
-    seconds : float
-        Time limit of a job.
-    account, partition : str
-        The account; the partition or queue. One word each, or empty for the cluster's default.
-    directives : sequence of str
-        Further options of ``sbatch`` or ``qsub``, verbatim.
-    modules : sequence of str
-        Modules to load before the run.
-    launcher : sequence of str
-        ``mpirun`` or ``srun`` with options.
-    python : str
-        The interpreter with pgimp.
-    folder : str
-        Absolute path of the folder to which case and output are relative.
-    case, output : str
-        The case file and the run directory.
-    changes : sequence of str
-        Changes to the case, as ``key.path=value``.
-    file : str
-        Absolute path of the script; empty if it goes to the terminal.
-    version : str
-        Version of pgimp.
-    imports : sequence of str
-        Python files that register materials.
-    """
-
-    scheduler: str
-    name: str
+    scheduler: str  #: ``slurm`` or ``pbs``.
+    name: str  #: Name of the job; letters, digits and ``_.+-``.
+    #: ranks, nodes: Number of ranks, and of nodes for them; 0 nodes leave the choice to the
+    #: scheduler.
     ranks: int
     nodes: int
-    seconds: float
+    seconds: float  #: Time limit of a job.
+    #: account, partition: The account; the partition or queue. One word each, or empty for the
+    #: cluster's default.
     account: str
     partition: str
-    directives: Sequence[str]
-    modules: Sequence[str]
-    launcher: Sequence[str]
-    python: str
-    folder: str
+    directives: Sequence[str]  #: Further options of ``sbatch`` or ``qsub``, verbatim.
+    modules: Sequence[str]  #: Modules to load before the run.
+    launcher: Sequence[str]  #: ``mpirun`` or ``srun`` with options.
+    python: str  #: The interpreter with pgimp.
+    folder: str  #: Absolute path of the folder to which case and output are relative.
+    #: case, output: The case file and the run directory.
     case: str
     output: str
-    changes: Sequence[str]
-    file: str
-    version: str
-    imports: Sequence[str] = ()
+    changes: Sequence[str]  #: Changes to the case, as ``key.path=value``.
+    file: str  #: Absolute path of the script; empty if it goes to the terminal.
+    version: str  #: Version of pgimp.
+    imports: Sequence[str] = ()  #: Python files that register materials.
 
     @property
     def notice(self) -> int:
@@ -89,13 +60,7 @@ class Job:
 
 
 def write(job: Job) -> str:
-    """Return the script of a job.
-
-    Parameters
-    ----------
-    job : Job
-        The job.
-    """
+    """Return the script of a job."""
     slurm = job.scheduler == "slurm"
     options = [f"--output={job.output}", "--resume", *(f"--set={one}" for one in job.changes)]
     options += [f"--import={one}" for one in job.imports]

@@ -26,42 +26,24 @@ from pgimp.utilities.check.particles import look_at_particles
 
 
 class Prepared(NamedTuple):
-    """A case that is ready to run.
+    """A case that is ready to run."""
 
-    Attributes
-    ----------
-    scenes : list of Scene
-        Scenes of all stages.
-    lattice, counts, notes
-        See `count_particles`; of the bodies that are there at the start. A note more names what
-        was not looked at.
-    memory : Estimate
-        Memory of one rank.
-    found : Findings
-        Facts about the bodies.
-    varied : dict of str to float
-        Rates of bodies whose materials vary.
-    of_stages : list of Warned
-        Warnings about steps of later stages.
-    crossing, rate, dt : float
-        Cells per unit of length, 0 if the grid moves with the bodies. Reference rate of the case's
-        Courant number, cells per unit of time. The first step.
-    entering : dict of str to int
-        Particles that enter by inflow until the end.
-    """
-
-    scenes: list[Scene]
+    scenes: list[Scene]  #: Scenes of all stages.
+    #: lattice, counts, notes: See `count_particles`; of the bodies that are there at the start. A
+    #: note more names what was not looked at.
     lattice: Lattice
     counts: np.ndarray
     notes: list[str]
-    memory: Estimate
-    found: Findings
-    varied: dict[str, float]
-    of_stages: list[Warned]
+    memory: Estimate  #: Memory of one rank.
+    found: Findings  #: Facts about the bodies.
+    varied: dict[str, float]  #: Rates of bodies whose materials vary.
+    of_stages: list[Warned]  #: Warnings about steps of later stages.
+    #: crossing, rate, dt: Cells per unit of length, 0 if the grid moves with the bodies. Reference
+    #: rate of the case's Courant number, cells per unit of time. The first step.
     crossing: float
     rate: float
     dt: float
-    entering: dict[str, int]
+    entering: dict[str, int]  #: Particles that enter by inflow until the end.
 
 
 def prepare(whole: Case) -> Prepared:

@@ -43,27 +43,15 @@ Key = tuple[int, str, str]
 
 @dataclass
 class Row:
-    """What a step does: a phase, a kernel, or a method of a part of the step.
+    """What a step does: a phase, a kernel, or a method of a part of the step."""
 
-    Attributes
-    ----------
-    meaning : str
-        What it is for.
-    per : {"particle", "vertex", ""}
-        What its time goes with.
-    features : dict of str to str
-        What is compiled into it for this scene, with the meaning.
-    seconds : list of float
-        Time in each block of watched steps.
-    steps : int
-        Number of the watched steps that have it; `last` is the last one.
-    """
-
-    meaning: str
-    per: str = ""
+    meaning: str  #: What it is for.
+    per: str = ""  #: {"particle", "vertex", ""}: What its time goes with.
+    #: What is compiled into it for this scene, with the meaning.
     features: dict[str, str] = field(default_factory=dict)
+    #: Time in each block of watched steps.
     seconds: list[float] = field(default_factory=lambda: [0.0] * (_STEPS // _BLOCK))
-    steps: int = 0
+    steps: int = 0  #: Number of the watched steps that have it; `last` is the last one.
     last: int = -1
 
     def add(self, step: int, seconds: float) -> None:

@@ -6,24 +6,12 @@ from typing import NamedTuple
 
 
 class Finding(NamedTuple):
-    """A line of the report.
+    """A line of the report."""
 
-    Attributes
-    ----------
-    part : str
-        The checked part.
-    found : str
-        The result.
-    cure : str
-        The remedy; empty if there is no problem.
-    broken : bool
-        Whether pgimp does not work without the remedy.
-    """
-
-    part: str
-    found: str
-    cure: str = ""
-    broken: bool = False
+    part: str  #: The checked part.
+    found: str  #: The result.
+    cure: str = ""  #: The remedy; empty if there is no problem.
+    broken: bool = False  #: Whether pgimp does not work without the remedy.
 
     @property
     def mark(self) -> str:

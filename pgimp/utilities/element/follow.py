@@ -28,8 +28,6 @@ def follow(
     ----------
     element : Element
         The particle, at rest and undeformed.
-    path : Path
-        The path.
     values : (n,) float64
         Values of the path at the end of each step.
     confine : float

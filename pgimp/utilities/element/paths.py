@@ -15,24 +15,13 @@ Array = np.ndarray
 
 
 class Path(NamedTuple):
-    """A path of deformation.
+    """A path of deformation."""
 
-    Attributes
-    ----------
-    meaning : str
-        Meaning of the value of ``--to``.
-    stretch : callable
-        Takes the value; returns the logarithmic strains along x, y, z and the shear.
-    free : tuple of int
-        Directions whose stress is prescribed: minus the confining pressure.
-    component : str
-        Stress component in the plot.
-    """
-
-    meaning: str
+    meaning: str  #: Meaning of the value of ``--to``.
+    #: Takes the value; returns the logarithmic strains along x, y, z and the shear.
     stretch: Callable[[float], tuple[float, float, float, float]]
-    free: tuple[int, ...]
-    component: str
+    free: tuple[int, ...]  #: Directions whose stress is prescribed: minus the confining pressure.
+    component: str  #: Stress component in the plot.
 
 
 def _along(e: float) -> tuple[float, float, float, float]:

@@ -47,8 +47,6 @@ def tables(folder: Path, frames: Sequence[Frame], fields: Sequence[str]) -> Iter
     ----------
     folder : Path
         The folder for them.
-    frames : sequence of Frame
-        The frames.
     fields : sequence of str
         Fields besides `id`; those of the frame, if there are none.
     """
@@ -92,8 +90,6 @@ def grids(folder: Path, frames: Sequence[Frame], fields: Sequence[str]) -> Itera
     ----------
     folder : Path
         The folder for them.
-    frames : sequence of Frame
-        The frames.
     fields : sequence of str
         Fields of the particles; those of the frame, if there are none.
     """

@@ -38,8 +38,6 @@ def solids(
     ----------
     folder : Path
         The folder for them.
-    frames : sequence of Frame
-        The frames.
     fields : sequence of str
         Fields of the particles; those of the frame, if there are none.
     parts : int

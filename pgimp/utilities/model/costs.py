@@ -9,23 +9,14 @@ from numpy.typing import ArrayLike, NDArray
 
 
 class Costs(NamedTuple):
-    """Costs of a rank's work.
+    """Costs of a rank's work."""
 
-    Attributes
-    ----------
-    fixed : float
-        Seconds of a step without particles: Python, and the calls of the kernels.
-    particles : tuple of (float, float)
-        Numbers of particles of a rank, ascending, with seconds per particle-step. These include the
-        kernels, changes of layer, and the step's share of the sort. For other numbers, see
-        `particle`.
-    vertex : float
-        Seconds per step and vertex of an active plane.
-    """
-
-    fixed: float
+    fixed: float  #: Seconds of a step without particles: Python, and the calls of the kernels.
+    #: tuple of (float, float): Numbers of particles of a rank, ascending, with seconds per
+    #: particle-step. These include the kernels, changes of layer, and the step's share of the sort.
+    #: For other numbers, see `particle`.
     particles: tuple[tuple[float, float], ...]
-    vertex: float
+    vertex: float  #: Seconds per step and vertex of an active plane.
 
     def particle(self, count: ArrayLike) -> NDArray[np.float64]:
         """Seconds per particle-step on a rank with `count` particles, which may exceed caches."""

@@ -41,32 +41,16 @@ _MOST_PARTICLES = 200_000
 
 
 class Pilot(NamedTuple):
-    """Result of a pilot run.
+    """Result of a pilot run."""
 
-    Attributes
-    ----------
-    steps : float
-        Predicted steps of the case itself.
-    particles : int
-        Particles of the pilot run.
-    factor : float
-        Its cells over the case's cells.
-    done : float
-        Simulated fraction of the time. `steps` assumes that waves stay as fast as at its end.
-    failure : str
-        First line of the reason for a failure, if any.
-    courant : float
-        Greatest Courant number of the case's own steps.
-    error : float
-        Estimate of the relative error of `steps` due to the cells; inf without an estimate.
-    """
-
-    steps: float
-    particles: int
-    factor: float
+    steps: float  #: Predicted steps of the case itself.
+    particles: int  #: Particles of the pilot run.
+    factor: float  #: Its cells over the case's cells.
+    #: Simulated fraction of the time. `steps` assumes that waves stay as fast as at its end.
     done: float
-    failure: str
-    courant: float
+    failure: str  #: First line of the reason for a failure, if any.
+    courant: float  #: Greatest Courant number of the case's own steps.
+    #: Estimate of the relative error of `steps` due to the cells; inf without an estimate.
     error: float = 0.0
 
 
@@ -77,8 +61,6 @@ def pilot(case: Case, count: int, steps: float, costs: Costs, fewest: float) -> 
 
     Parameters
     ----------
-    case : Case
-        The case.
     count : int
         Number of its particles.
     steps : float

@@ -37,15 +37,11 @@ def along(
 
     Parameters
     ----------
-    snapshots : sequence of PlotFrame
-        The frames.
     quantities : sequence of Quantity
         Quantity of each frame.
     selection : Selection
         Particles to draw; with a place the particles that reach that line, each a point. Otherwise,
         in 2D and 3D, volume means over cross-sections, in strips of the particles' initial width.
-    axis : int
-        The axis.
     logarithmic : bool
         Whether the vertical axis is logarithmic.
 

@@ -28,14 +28,9 @@ _LIGHT = np.array([0.77, 0.89, 1.0])
 
 
 class Camera(NamedTuple):
-    """A parallel projection.
+    """A parallel projection."""
 
-    Attributes
-    ----------
-    right, up : ndarray, shape (3,)
-        Unit vectors of the picture.
-    """
-
+    #: right, up: ndarray, shape (3,): Unit vectors of the picture.
     right: Array
     up: Array
 

@@ -26,36 +26,20 @@ Planes = tuple[tuple[int, float], ...]
 
 
 class Look(NamedTuple):
-    """Options of a picture.
+    """Options of a picture."""
 
-    Attributes
-    ----------
-    limits : (float, float) or None
-        Values of the first and the last colour.
-    map : str
-        matplotlib's name of the colours.
-    panels : int
-        Pictures side by side; 0 chooses.
-    width : float
-        Width of the figure in inches; 0 chooses.
-    title : str or None
-        Title in place of the times; of several pictures above all of them.
-    inside : ndarray, shape (2, 2), or None
-        Corners of what is shown, if it is not what the particles fill.
-    contours : int
-        Number of colours of smooth contours in place of particles; 0 for particles.
-    outline : bool
-        Whether bodies have outlines, as contours always do.
-    """
-
+    #: (float, float) or None: Values of the first and the last colour.
     limits: tuple[float, float] | None = None
-    map: str = MAP
-    panels: int = 0
-    width: float = 0.0
-    title: str | None = None
+    map: str = MAP  #: matplotlib's name of the colours.
+    panels: int = 0  #: Pictures side by side; 0 chooses.
+    width: float = 0.0  #: Width of the figure in inches; 0 chooses.
+    title: str | None = None  #: Title in place of the times; of several pictures above all of them.
+    #: ndarray, shape (2, 2), or None: Corners of what is shown, if it is not what the particles
+    #: fill.
     inside: np.ndarray | None = None
+    #: Number of colours of smooth contours in place of particles; 0 for particles.
     contours: int = 0
-    outline: bool = False
+    outline: bool = False  #: Whether bodies have outlines, as contours always do.
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

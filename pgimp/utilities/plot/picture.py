@@ -68,14 +68,10 @@ def picture(
 
     Parameters
     ----------
-    snapshots : sequence of PlotFrame
-        The frames.
     quantities : sequence of Quantity
         Quantity of each frame.
     selection : Selection
         Particles to draw.
-    camera : Camera
-        The projection.
     look : Look
         Its looks. The colours' range is by default that of the drawn particles, without half a per
         cent at an end that would widen it by more than a quarter.

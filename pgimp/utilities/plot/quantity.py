@@ -37,21 +37,11 @@ _NAMES = {"von-mises": "von Mises stress", "deformation": "F"}
 
 
 class Quantity(NamedTuple):
-    """A number for each particle of a frame.
+    """A number for each particle of a frame."""
 
-    Attributes
-    ----------
-    text : str
-        Name on the command line: ``von-mises``, ``stress.xx``, ``velocity``.
-    field : str
-        The underlying field.
-    column : int or None
-        The component; None for a scalar, or for a vector's magnitude.
-    """
-
-    text: str
-    field: str
-    column: int | None
+    text: str  #: Name on the command line: ``von-mises``, ``stress.xx``, ``velocity``.
+    field: str  #: The underlying field.
+    column: int | None  #: The component; None for a scalar, or for a vector's magnitude.
 
     @property
     def label(self) -> str:
@@ -90,8 +80,6 @@ def quantity(text: str | None, frame: Frame, dimension: int) -> Quantity:
     text : str or None
         ``FIELD`` or ``FIELD.COMPONENT``; None takes the first available of von Mises stress,
         stress, velocity, displacement and volume.
-    frame : Frame
-        The frame.
     dimension : int
         Dimensions of the case.
 

@@ -35,8 +35,6 @@ def lines(
     ----------
     frame : Frame
         A frame of particles, beside which rigid bodies have theirs.
-    camera : Camera
-        The projection.
     angles : sequence of float
         Angles about y at which sections are shown; some of them, and both ends.
     mirrored : sequence of (int, float)

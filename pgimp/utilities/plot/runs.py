@@ -126,15 +126,7 @@ def _short(path: Path) -> str:
 
 
 class PlotFrame:
-    """A frame in a figure.
-
-    Attributes
-    ----------
-    shown : PlotRun
-        The run.
-    frame : Frame
-        The frame.
-    """
+    """A frame in a figure."""
 
     def __init__(self, shown: PlotRun, frame: Frame) -> None:
         self.shown = shown
@@ -207,8 +199,6 @@ def snapshots(
 
     Parameters
     ----------
-    runs : sequence of PlotRun
-        The runs.
     frames : sequence of int
         Numbers among the frames of each run; -1 is the last.
     times : sequence of float

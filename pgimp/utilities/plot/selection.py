@@ -23,30 +23,15 @@ _TOUCHING = 1.0 + 1.0e-6
 
 
 class Block(NamedTuple):
-    """A block of a frame's particles, in ascending id.
+    """A block of a frame's particles, in ascending id."""
 
-    Attributes
-    ----------
-    id : ndarray of int64, shape (n,)
-        Ids.
-    position : ndarray of float64, shape (n, 3)
-        Centres.
-    radius : ndarray of float64, shape (n,)
-        Half the side of their boxes.
-    value : ndarray of float64, shape (n,)
-        Values of the drawn quantity.
-    volume : ndarray of float64, shape (n,)
-        Volumes.
-    edges : ndarray of float64, shape (n, 3, 3), or (n, 0, 0)
-        Half the edges of the parallelepipeds that the boxes have become, a row each; none where
-        the frame has no deformation.
-    """
-
-    id: Array
-    position: Array
-    radius: Array
-    value: Array
-    volume: Array
+    id: Array  #: ndarray of int64, shape (n,): Ids.
+    position: Array  #: ndarray of float64, shape (n, 3): Centres.
+    radius: Array  #: ndarray of float64, shape (n,): Half the side of their boxes.
+    value: Array  #: ndarray of float64, shape (n,): Values of the drawn quantity.
+    volume: Array  #: ndarray of float64, shape (n,): Volumes.
+    #: ndarray of float64, shape (n, 3, 3), or (n, 0, 0): Half the edges of the parallelepipeds that
+    #: the boxes have become, a row each; none where the frame has no deformation.
     edges: Array
 
     def take(self, rows: Array) -> Block:
@@ -98,26 +83,17 @@ class Block(NamedTuple):
 
 
 class Selection(NamedTuple):
-    """A selection of particles.
+    """A selection of particles."""
 
-    Attributes
-    ----------
-    bodies : tuple of str
-        Names of bodies; all if empty.
-    place : mapping of int to float
-        By axis, the coordinate of a plane that cuts the particles' boxes.
-    spacing : tuple of float
-        Initial distance of the particles by axis; if empty, they are squares and cubes.
-    mirrored : tuple of (int, float)
-        Planes of symmetry, by axis and coordinate, at which their images are added.
-    angles : tuple of float
-        Angles about the axis y at which pieces of rings are drawn; if empty, their section is.
-    """
-
-    bodies: tuple[str, ...] = ()
+    bodies: tuple[str, ...] = ()  #: Names of bodies; all if empty.
+    #: By axis, the coordinate of a plane that cuts the particles' boxes.
     place: Mapping[int, float] = {}
+    #: Initial distance of the particles by axis; if empty, they are squares and cubes.
     spacing: tuple[float, ...] = ()
+    #: tuple of (int, float): Planes of symmetry, by axis and coordinate, at which their images are
+    #: added.
     mirrored: tuple[tuple[int, float], ...] = ()
+    #: Angles about the axis y at which pieces of rings are drawn; if empty, their section is.
     angles: tuple[float, ...] = ()
 
     def blocks(self, frame: Frame, quantity: Quantity | None) -> Iterator[Block]:
@@ -125,8 +101,6 @@ class Selection(NamedTuple):
 
         Parameters
         ----------
-        frame : Frame
-            The frame.
         quantity : Quantity or None
             The drawn quantity; with None values, ids and volumes are left out.
 

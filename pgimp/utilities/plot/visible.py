@@ -44,14 +44,8 @@ def visible(
 
     Parameters
     ----------
-    frame : Frame
-        The frame.
     selection : Selection
         Particles to select from, at least one.
-    quantity : Quantity
-        The drawn quantity.
-    camera : Camera
-        The projection.
     inside : ndarray, shape (2, 2)
         Low and high corner of their extent, or more.
 
@@ -92,8 +86,6 @@ def draw(axis: Axes, camera: Camera, particles: Block, colours: Array, flat: boo
     ----------
     axis : matplotlib.axes.Axes
         The axes.
-    camera : Camera
-        The projection.
     particles : Block
         The particles; those without edges are boxes along the axes of space.
     colours : ndarray, shape (n, 4)

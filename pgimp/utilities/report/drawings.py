@@ -116,8 +116,6 @@ def pictures(shown: PlotRun, field: str | None = None, most: int = 3) -> Markup:
 
     Parameters
     ----------
-    shown : PlotRun
-        The run.
     field : str, optional
         The quantity, as for ``pgimp plot --field``.
     most : int

@@ -94,8 +94,6 @@ def perform(
     ----------
     study : Study
         The study, with the launcher of runs and the measures.
-    run : Planned
-        The run.
     output : Path
         Its directory.
     again : bool

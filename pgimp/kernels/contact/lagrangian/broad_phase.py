@@ -12,37 +12,21 @@ MARKS = (1, 2)
 
 
 class Regions(NamedTuple):
-    """Regions of possible contact.
+    """Regions of possible contact."""
 
-    Attributes
-    ----------
-    ends : (n, 2, D) float64
-        Least and greatest coordinates, in cells from the grid's origin.
-    groups : (n, 2) int64
-        The two groups of bodies that may touch there; -1: any particle may touch a rigid body or
-        a wall.
-    blocks : (n, D) int64
-        Number of blocks in a region by direction, where two groups may touch.
-    size : (n,) int64
-        Cells along the side of a block; 0 without blocks.
-    first : (n,) int64
-        Number of the region's first block.
-    marks : (blocks,) uint8
-        Groups in or near a block, see `MARKS`; the last direction innermost.
-    start : (groups + 1,) int64
-        First item of each group in `of_group`.
-    of_group : (k,) int64
-        The regions of each group.
-    """
-
+    #: (n, 2, D) float64: Least and greatest coordinates, in cells from the grid's origin.
     ends: FloatArray
+    #: (n, 2) int64: The two groups of bodies that may touch there; -1: any particle may touch a
+    #: rigid body or a wall.
     groups: IntArray
+    #: (n, D) int64: Number of blocks in a region by direction, where two groups may touch.
     blocks: IntArray
-    size: IntArray
-    first: IntArray
+    size: IntArray  #: (n,) int64: Cells along the side of a block; 0 without blocks.
+    first: IntArray  #: (n,) int64: Number of the region's first block.
+    #: (blocks,) uint8: Groups in or near a block, see `MARKS`; the last direction innermost.
     marks: NDArray
-    start: IntArray
-    of_group: IntArray
+    start: IntArray  #: (groups + 1,) int64: First item of each group in `of_group`.
+    of_group: IntArray  #: (k,) int64: The regions of each group.
 
 
 @kernel
@@ -109,7 +93,6 @@ def widen_marks(regions, counts, line):
 
     Parameters
     ----------
-    regions : Regions
     counts : (n, D) int64
         That number, for the regions with blocks.
     line : (blocks of the longest line,) uint8

@@ -20,28 +20,17 @@ from pgimp.kernels.transfer.first_vertex import first_vertex
 
 
 class Patches(NamedTuple):
-    """Particles by cell and group, and the candidate vertices within their reach.
+    """Particles by cell and group, and the candidate vertices within their reach."""
 
-    Attributes
-    ----------
-    patch : (n,) int64
-        The patch of each particle.
-    begin, extent : (patches, 3) int64
-        First vertex of each, and number of vertices by direction.
-    entry : (patches, k) int64
-        Offsets of the group's entries at its vertices in `keys`, the last direction innermost; -1
-        where the vertex is no candidate.
-    some : (patches,) bool
-        Whether a patch has candidate vertices.
-    keys : (m,) int64
-        Keys of the entries, see `pgimp.kernels.contact.lagrangian.vertices.key_of`.
-    """
-
-    patch: IntArray
+    patch: IntArray  #: (n,) int64: The patch of each particle.
+    #: begin, extent: (patches, 3) int64: First vertex of each, and number of vertices by direction.
     begin: IntArray
     extent: IntArray
+    #: (patches, k) int64: Offsets of the group's entries at its vertices in `keys`, the last
+    #: direction innermost; -1 where the vertex is no candidate.
     entry: IntArray
-    some: NDArray
+    some: NDArray  #: (patches,) bool: Whether a patch has candidate vertices.
+    #: (m,) int64: Keys of the entries, see `pgimp.kernels.contact.lagrangian.vertices.key_of`.
     keys: IntArray
 
     @classmethod
@@ -52,21 +41,11 @@ class Patches(NamedTuple):
 
 
 class Reach(NamedTuple):
-    """The particles within reach of each entry.
+    """The particles within reach of each entry."""
 
-    Attributes
-    ----------
-    rows : (n,) int64
-        Offsets of all these particles in their table, ascending.
-    start : (m + 1,) int64
-        First item of each entry in `particle`.
-    particle : (k,) uint32
-        Offsets in `rows`, ascending for each entry.
-    """
-
-    rows: IntArray
-    start: IntArray
-    particle: NDArray[np.uint32]
+    rows: IntArray  #: (n,) int64: Offsets of all these particles in their table, ascending.
+    start: IntArray  #: (m + 1,) int64: First item of each entry in `particle`.
+    particle: NDArray[np.uint32]  #: (k,) uint32: Offsets in `rows`, ascending for each entry.
 
     @classmethod
     def empty(cls) -> "Reach":
@@ -154,14 +133,10 @@ def find_candidates(
         An axis, and the range of the vertices along it that count.
     boxes : (m, 2, 3) int64
         Least and greatest numbers of the vertices where walls may be.
-    rigid_bodies : RigidBodies or ()
-        The rigid bodies.
+    rigid_bodies
+        RigidBodies or ().
     contact_vertices : ContactVertices
         Without entries; all cells and vertices of the particles have keys there.
-
-    Returns
-    -------
-    Patches
     """
     (axis, least, greatest), (slack, rigid_slack) = within, slacks
     table, motion = particles

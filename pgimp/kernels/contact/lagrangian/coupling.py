@@ -40,26 +40,18 @@ LEAST_FREE = 0.25
 
 
 class Coupling(NamedTuple):
-    """Rows of the coupling matrix B for the contact pairs.
+    """Rows of the coupling matrix B for the contact pairs."""
 
-    Attributes
-    ----------
-    start : (rows + 1,) int64
-        First entry of each row.
-    column : (k,) int64
-        Numbers of reference vertices.
-    entry : (k, 1) or (k, 4) float64
-        The entries of B, with mirrors by component: they reverse the component across them.
-    answer : (rows, 3) float64
-        Inverse mass sum_j B_ij^2/m_j, by component, without held vertices, see `LEAST_FREE`.
-    beyond : (rows, mirrors, 3) float64
-        Reversed share of an impulse, by mirror: the weight of the vertices beyond each mirror.
-    """
-
-    start: IntArray
-    column: IntArray
+    start: IntArray  #: (rows + 1,) int64: First entry of each row.
+    column: IntArray  #: (k,) int64: Numbers of reference vertices.
+    #: (k, 1) or (k, 4) float64: The entries of B, with mirrors by component: they reverse the
+    #: component across them.
     entry: FloatArray
+    #: (rows, 3) float64: Inverse mass sum_j B_ij^2/m_j, by component, without held vertices, see
+    #: `LEAST_FREE`.
     answer: FloatArray
+    #: (rows, mirrors, 3) float64: Reversed share of an impulse, by mirror: the weight of the
+    #: vertices beyond each mirror.
     beyond: FloatArray
 
     @classmethod
@@ -192,10 +184,13 @@ def _in_box(supports, i, middle):
 def find_coupling(frame, particles, initial, mirrors, slots, contact_vertices, scratch, coupling):
     """Find the rows of B for the contact pairs.
 
+    The particles round a vertex are near each other in the initial configuration, too, so that all
+    of their reference vertices are in one box. Where parts of a body meet there are several boxes.
+
     Parameters
     ----------
-    particles : (NEAR_PARTICLE, NEAR_MOTION), each (n,)
-        The particles.
+    particles
+        (NEAR_PARTICLE, NEAR_MOTION), each (n,).
     initial : (ReferenceSupports, (slots, 2) int64, (k,) int64, int)
         The particles' supports at their initial positions; hash table and keys of the reference
         vertices; number of velocity fields.
@@ -215,11 +210,6 @@ def find_coupling(frame, particles, initial, mirrors, slots, contact_vertices, s
     int
         Number of entries of all rows: if there are more than `coupling` has room for, it is not
         filled.
-
-    Notes
-    -----
-    The particles round a vertex are near each other in the initial configuration, too, so that all
-    of their reference vertices are in one box. Where parts of a body meet there are several boxes.
     """
     (table, motion), supports = particles, initial[0]
     numbers, seen, left, box = scratch

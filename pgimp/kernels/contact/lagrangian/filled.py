@@ -72,7 +72,6 @@ def bound_filled(frame, table, motion, slack, vertices, patches, most):
     ----------
     table, motion, slack, vertices
         See `find_reach`; the particles are boxes.
-    patches : Patches
     most : (entries,) float64
         Set here.
     """

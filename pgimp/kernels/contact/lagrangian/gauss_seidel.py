@@ -71,6 +71,11 @@ def apply_impulse(contact, frame, end, J, coupling, solved):
 def solve_impulses(contact, free, contact_pairs, coupling, solved, changes, sweeps, tolerance):
     """Exchange impulses in all pairs until the law holds for all of them.
 
+    Vertices round a corner have nearly the same particles, and sweeps alone converge slowly. After
+    two of them, forwards and backwards, the impulses go on along their last changes, as in the
+    method of conjugate gradients: Silcowitz, Niebe and Erleben, A nonsmooth nonlinear conjugate
+    gradient method for interactive contact force problems, Visual Comput. 26, 893-901 (2010).
+
     Parameters
     ----------
     contact : Contact
@@ -95,13 +100,6 @@ def solve_impulses(contact, free, contact_pairs, coupling, solved, changes, swee
     -------
     int
         Number of sweeps.
-
-    Notes
-    -----
-    Vertices round a corner have nearly the same particles, and sweeps alone converge slowly. After
-    two of them, forwards and backwards, the impulses go on along their last changes, as in the
-    method of conjugate gradients: Silcowitz, Niebe and Erleben, A nonsmooth nonlinear conjugate
-    gradient method for interactive contact force problems, Visual Comput. 26, 893-901 (2010).
     """
     start, before = changes[0], -1.0
     changes[1, :, :] = 0.0

@@ -32,21 +32,11 @@ MAX_ARM = 0.9
 
 
 class ContactPairs(NamedTuple):
-    """Candidate pairs at vertices.
+    """Candidate pairs at vertices."""
 
-    Attributes
-    ----------
-    ends : (pairs,) ENDS
-        The bodies, their vertex, and their law.
-    states : (pairs,) PAIR_STATE
-        As in `Contact`: normal, gap, and accumulated impulses.
-    rigid : (pairs, 2, 3) float64
-        Velocities of rigid ends, first and second.
-    """
-
-    ends: NDArray
-    states: NDArray
-    rigid: FloatArray
+    ends: NDArray  #: (pairs,) ENDS: The bodies, their vertex, and their law.
+    states: NDArray  #: (pairs,) PAIR_STATE: As in `Contact`: normal, gap, and accumulated impulses.
+    rigid: FloatArray  #: (pairs, 2, 3) float64: Velocities of rigid ends, first and second.
 
     @classmethod
     def empty(cls, count: int) -> Self:
@@ -59,18 +49,10 @@ class ContactPairs(NamedTuple):
 
 
 class SeparatingWalls(NamedTuple):
-    """Unilateral walls, which count as rigid bodies.
+    """Unilateral walls, which count as rigid bodies."""
 
-    Attributes
-    ----------
-    first : int
-        Number of the first one among the bodies.
-    planes : (walls,) FACE_PLANE
-        The faces.
-    """
-
-    first: int
-    planes: NDArray
+    first: int  #: Number of the first one among the bodies.
+    planes: NDArray  #: (walls,) FACE_PLANE: The faces.
 
 
 @inner_kernel

@@ -37,34 +37,18 @@ NUMBERS, OF_INVERSE_MASS = 12, 4
 
 
 class ReferenceVertices(NamedTuple):
-    """Data of reference vertices.
+    """Data of reference vertices."""
 
-    Attributes
-    ----------
-    keys : (m,) int64
-    values : (m,) REFERENCE_VERTEX
-    """
-
-    keys: IntArray
-    values: NDArray
+    keys: IntArray  #: (m,) int64.
+    values: NDArray  #: (m,) REFERENCE_VERTEX.
 
 
 class Changes(NamedTuple):
-    """What impulses change at reference vertices.
+    """What impulses change at reference vertices."""
 
-    Attributes
-    ----------
-    keys : (m,) int64
-        The vertices.
-    velocities : (m, 3) float64
-        Changes of their velocities.
-    held : (m, 3) float64
-        Impulses that faces and constraints bear.
-    """
-
-    keys: IntArray
-    velocities: FloatArray
-    held: FloatArray
+    keys: IntArray  #: (m,) int64: The vertices.
+    velocities: FloatArray  #: (m, 3) float64: Changes of their velocities.
+    held: FloatArray  #: (m, 3) float64: Impulses that faces and constraints bear.
 
 
 @inner_kernel

@@ -20,18 +20,13 @@ class ReferenceSupports(NamedTuple):
     """Initial supports of n particles, from the first to the last vertex with weight.
 
     The last of three axes is the scene's last direction; axes that it does not have come first.
-
-    Attributes
-    ----------
-    first, many : (n, 3) int64
-        The first vertex with weight, and how many there are, by axis.
-    w, g : (3 n + 1, 4) float64
-        Weights and gradients times the cell, a row for each axis; 0 beyond the last vertex. The
-        last row is not set: `add_particle` reads past a row.
     """
 
+    #: first, many: (n, 3) int64: The first vertex with weight, and how many there are, by axis.
     first: IntArray
     many: IntArray
+    #: w, g: (3 n + 1, 4) float64: Weights and gradients times the cell, a row for each axis; 0
+    #: beyond the last vertex. The last row is not set: `add_particle` reads past a row.
     w: FloatArray
     g: FloatArray
 
@@ -44,17 +39,10 @@ class ReferenceSupports(NamedTuple):
 
 
 class References(NamedTuple):
-    """The reference vertices of particles, in the order in which these have them.
+    """The reference vertices of particles, in the order in which these have them."""
 
-    Attributes
-    ----------
-    keys : (m,) int64
-    particle : (m,) int64
-        The first particle of each.
-    """
-
-    keys: IntArray
-    particle: IntArray
+    keys: IntArray  #: (m,) int64.
+    particle: IntArray  #: (m,) int64: The first particle of each.
 
     @classmethod
     def empty(cls) -> "References":

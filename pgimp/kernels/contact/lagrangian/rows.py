@@ -15,23 +15,15 @@ from pgimp.kernels.data.particles import FloatArray
 
 
 class Solved(NamedTuple):
-    """Reference vertices as the sweeps read and change them, four solved a row.
+    """Reference vertices as the sweeps read and change them, four solved a row."""
 
-    Attributes
-    ----------
-    velocity, inverse_mass, held_impulse : (m, 4) float64
-        See `REFERENCE_VERTEX`.
-    moved : (k,) float64
-        Change of each entry's vertex by a unit impulse, for the rows that are `free`.
-    free : (rows,) bool
-        Whether all components of a row's vertices are free.
-    """
-
+    #: velocity, inverse_mass, held_impulse: (m, 4) float64: See `REFERENCE_VERTEX`.
     velocity: FloatArray
     inverse_mass: FloatArray
     held_impulse: FloatArray
+    #: (k,) float64: Change of each entry's vertex by a unit impulse, for the rows that are `free`.
     moved: FloatArray
-    free: NDArray
+    free: NDArray  #: (rows,) bool: Whether all components of a row's vertices are free.
 
     @classmethod
     def empty(cls, vertices: int, coupling: Coupling) -> Self:

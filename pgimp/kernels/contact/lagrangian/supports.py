@@ -20,26 +20,18 @@ from pgimp.physics.shapes.base import weights
 
 
 class Supports(NamedTuple):
-    """Supports of n particles with k vertices each; some vertices may have no weight.
+    """Supports of n particles with k vertices each; some vertices may have no weight."""
 
-    Attributes
-    ----------
-    first : (n, 3) int64
-        The first vertex of each.
-    w, g : (n, 3, 4) float64
-        Weights and gradients times the cell, by direction; one vertex along directions that the
-        scene does not have.
-    local : (k, 3) uint32
-        Vertices of any support, counted from the first one, the last direction innermost.
-    hoop : (n, 4) or (0, 4) float64
-        In axisymmetry the weights T of the hoop, times the cell: see
-        `pgimp.kernels.transfer.rings`.
-    """
-
-    first: IntArray
+    first: IntArray  #: (n, 3) int64: The first vertex of each.
+    #: w, g: (n, 3, 4) float64: Weights and gradients times the cell, by direction; one vertex along
+    #: directions that the scene does not have.
     w: FloatArray
     g: FloatArray
+    #: (k, 3) uint32: Vertices of any support, counted from the first one, the last direction
+    #: innermost.
     local: NDArray[np.uint32]
+    #: (n, 4) or (0, 4) float64: In axisymmetry the weights T of the hoop, times the cell: see
+    #: `pgimp.kernels.transfer.rings`.
     hoop: FloatArray
 
     @classmethod

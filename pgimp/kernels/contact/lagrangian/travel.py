@@ -18,18 +18,10 @@ from pgimp.kernels.transfer.first_vertex import first_vertex
 
 
 class Tracked(NamedTuple):
-    """Vertices whose displacements are watched.
+    """Vertices whose displacements are watched."""
 
-    Attributes
-    ----------
-    records : (n,) int64
-        Offsets of their records.
-    before : (n, 3) float64
-        Displacements from which theirs are counted.
-    """
-
-    records: IntArray
-    before: FloatArray
+    records: IntArray  #: (n,) int64: Offsets of their records.
+    before: FloatArray  #: (n, 3) float64: Displacements from which theirs are counted.
 
     @classmethod
     def empty(cls) -> "Tracked":
@@ -51,7 +43,8 @@ def track(frame, field, table, local, mirrors) -> Tracked:
 
     Parameters
     ----------
-    frame : InitialFrame
+    frame
+        InitialFrame.
     field : Field
         With the vertices' motion.
     table : (n,) NEAR_PARTICLE

@@ -65,21 +65,14 @@ VERTEX_SUMS = structure(
 
 
 class Reached(NamedTuple):
-    """The particles with weight at each entry in a step.
+    """The particles with weight at each entry in a step."""
 
-    Attributes
-    ----------
-    end : (m,) int64
-        End of those of each entry, which begin where the particles within its reach do.
-    particle : (k,) uint32
-        Their offsets, in canonical order: without signs, as indices below 0 would be looked for.
-    weight : (k,) float64
-        S of the particle there.
-    """
-
+    #: (m,) int64: End of those of each entry, which begin where the particles within its reach do.
     end: IntArray
+    #: (k,) uint32: Their offsets, in canonical order: without signs, as indices below 0 would be
+    #: looked for.
     particle: NDArray[np.uint32]
-    weight: FloatArray
+    weight: FloatArray  #: (k,) float64: S of the particle there.
 
     @classmethod
     def empty(cls, entries: int, count: int) -> "Reached":
@@ -88,40 +81,22 @@ class Reached(NamedTuple):
 
 
 class ContactVertices(NamedTuple):
-    """Sums of groups at the vertices of the domain's grid, one entry for each group and vertex.
+    """Sums of groups at the vertices of the domain's grid, one entry for each group and vertex."""
 
-    Attributes
-    ----------
-    low, extent : (3,) int64
-        The least vertex, and the greatest number of vertices from there, by direction.
-    groups : int
-        Number of groups.
-    keys : (m,) int64
-        Keys of the entries, ascending: in the order x, y, z, group.
-    start : (m + 1,) int64
-        First item of each entry in `particle`.
-    particle : (k,) uint32
-        Offsets of the particles within reach of each entry, in canonical order.
-    reached : Reached
-        Those with weight in this step.
-    sums : (m,) VERTEX_SUMS
-        The sums.
-    fills : (m, rigid bodies) RIGID_FILL
-        What rigid bodies fill at each entry's vertex, while they rest.
-    order : (n,) int64
-        Numbers of the entries with mass, by ascending key.
-    """
-
+    #: low, extent: (3,) int64: The least vertex, and the greatest number of vertices from there, by
+    #: direction.
     low: IntArray
     extent: IntArray
-    groups: int
-    keys: IntArray
-    start: IntArray
+    groups: int  #: Number of groups.
+    keys: IntArray  #: (m,) int64: Keys of the entries, ascending: in the order x, y, z, group.
+    start: IntArray  #: (m + 1,) int64: First item of each entry in `particle`.
+    #: (k,) uint32: Offsets of the particles within reach of each entry, in canonical order.
     particle: NDArray[np.uint32]
-    reached: Reached
-    sums: NDArray
+    reached: Reached  #: Those with weight in this step.
+    sums: NDArray  #: (m,) VERTEX_SUMS.
+    #: (m, rigid bodies) RIGID_FILL: What rigid bodies fill at each entry's vertex, while they rest.
     fills: NDArray
-    order: IntArray
+    order: IntArray  #: (n,) int64: Numbers of the entries with mass, by ascending key.
 
 
 @inner_kernel

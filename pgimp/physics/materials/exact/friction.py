@@ -23,26 +23,15 @@ _NONE = 1e-15
 
 
 class Line(NamedTuple):
-    """Strength and flow in compression (side -1) or extension (+1) along the axis.
+    """Strength and flow in compression (side -1) or extension (+1) along the axis."""
 
-    Attributes
-    ----------
-    w, z, c : float
-        Coefficients of the line, see the head of this file.
-    d : float
-        Plastic volume strain over the plastic part of m.
-    share : float
-        ``plastic-shear`` over the plastic part of m.
-    mean : bool
-        Whether the greatest tension limits the mean stress, or every principal stress.
-    """
-
+    #: w, z, c: Coefficients of the line, see the head of this file.
     w: float
     z: float
     c: float
-    d: float
-    share: float
-    mean: bool
+    d: float  #: Plastic volume strain over the plastic part of m.
+    share: float  #: ``plastic-shear`` over the plastic part of m.
+    mean: bool  #: Whether the greatest tension limits the mean stress, or every principal stress.
 
 
 def cone(alpha: float, flow: float, k: float) -> Line:

@@ -41,27 +41,14 @@ def _rebuilt(value: Any, given: Iterator[Any]) -> Any:
 
 
 class Layout(NamedTuple):
-    """Layout of the varying parameters in the columns of a material's particles.
+    """Layout of the varying parameters in the columns of a material's particles."""
 
-    Attributes
-    ----------
-    base : NamedTuple
-        The material's parameters with typical values.
-    varying : list of int
-        Indices of the varying parameters, ascending: the first columns of a particle.
-    paths : list of tuple of str
-        Varying keys of the case.
-    indices : list of int
-        Column of each key's value.
-    width : int
-        Number of columns.
-    """
-
-    base: NamedTuple
+    base: NamedTuple  #: The material's parameters with typical values.
+    #: Indices of the varying parameters, ascending: the first columns of a particle.
     varying: list[int]
-    paths: list[tuple[str, ...]]
-    indices: list[int]
-    width: int
+    paths: list[tuple[str, ...]]  #: Varying keys of the case.
+    indices: list[int]  #: Column of each key's value.
+    width: int  #: Number of columns.
 
     @property
     def marked(self) -> NamedTuple:

@@ -29,8 +29,6 @@ def parameters_of(entry: Material, dimensions: int) -> Any:
 
     Parameters
     ----------
-    entry : Material
-        The entry of the case.
     dimensions : int
         Of the case: 1, 2 or 3.
 

@@ -13,17 +13,10 @@ from pgimp.physics.materials.base import State, state_width, states_of
 
 
 class Kept(NamedTuple):
-    """A state variable in a scene.
+    """A state variable in a scene."""
 
-    Attributes
-    ----------
-    state : State
-        Declaration in the materials.
-    first : (materials,) int64
-        Offset in a particle's row, by material; -1 for materials without it.
-    """
-
-    state: State
+    state: State  #: Declaration in the materials.
+    #: (materials,) int64: Offset in a particle's row, by material; -1 for materials without it.
     first: np.ndarray
 
 

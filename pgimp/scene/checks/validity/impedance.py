@@ -26,17 +26,10 @@ _SPREADS = 0.5
 
 
 class Sent(NamedTuple):
-    """What a tool sends into a body.
+    """What a tool sends into a body."""
 
-    Attributes
-    ----------
-    text : str
-        A sentence.
-    lasts : bool
-        Whether so much of it is left at the end of the run that the resistance is no static one.
-    """
-
-    text: str
+    text: str  #: A sentence.
+    #: Whether so much of it is left at the end of the run that the resistance is no static one.
     lasts: bool
 
 

@@ -45,8 +45,6 @@ def notes(case: Case, bodies: Sequence[BodyFacts]) -> Iterator[str]:
 
     Parameters
     ----------
-    case : Case
-        The case.
     bodies : sequence of BodyFacts
         Its bodies.
     """

@@ -30,28 +30,16 @@ _INSTANTS = 129
 
 
 class Stretch(NamedTuple):
-    """How far two supports stretch the part of a body between them.
+    """How far two supports stretch the part of a body between them."""
 
-    Attributes
-    ----------
-    strain : float
-        Greatest change of their distance over the distance at the start; negative: compression.
-    length, way : float
-        Their distance at the start, and how far it changes.
-    time : float
-        When it is the greatest.
-    axis : int
-        Direction.
-    between : tuple of str
-        The supports, the one that moves farther first.
-    """
-
+    #: Greatest change of their distance over the distance at the start; negative: compression.
     strain: float
+    #: length, way: Their distance at the start, and how far it changes.
     length: float
     way: float
-    time: float
-    axis: int
-    between: tuple[str, str]
+    time: float  #: When it is the greatest.
+    axis: int  #: Direction.
+    between: tuple[str, str]  #: The supports, the one that moves farther first.
 
 
 def flows(material: Any) -> bool:

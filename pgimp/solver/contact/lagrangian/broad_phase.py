@@ -72,10 +72,6 @@ class BroadPhase:
 
     Parameters
     ----------
-    scene : Scene
-        The scene.
-    comm : communicator
-        Of all ranks.
     pairs : Pairs
         The pairs of bodies in contact.
     walls : SeparatingWalls
@@ -131,8 +127,6 @@ class BroadPhase:
             The groups of bonded bodies.
         rigid_bodies : RigidBodies or ()
             The rigid bodies at their positions.
-        t : Step
-            The step.
         rate : float
             Speed of free rigid bodies in cells per unit of time.
         grid : Grid or None

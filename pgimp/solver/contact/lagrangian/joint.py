@@ -19,18 +19,10 @@ from pgimp.solver.contact.lagrangian.messages import swap
 
 
 class Joint(NamedTuple):
-    """Candidate pairs with their rows of B, and the vertices that these have.
-
-    Attributes
-    ----------
-    pairs : ContactPairs
-    coupling : Coupling
-        Columns are numbers of `vertices`.
-    vertices : ReferenceVertices
-    """
+    """Candidate pairs with their rows of B, and the vertices that these have."""
 
     pairs: ContactPairs
-    coupling: Coupling
+    coupling: Coupling  #: Columns are numbers of `vertices`.
     vertices: ReferenceVertices
 
 

@@ -56,13 +56,6 @@ class LagrangianContact(NoContact):
     pairs and their rows of B. The rank with the first layer solves for the impulses of all, and
     tells what they change at reference vertices: nothing depends on the ranks.
 
-    Parameters
-    ----------
-    scene : Scene
-        The scene.
-    comm : communicator
-        Of all ranks.
-
     Attributes
     ----------
     fields : tuple of int

@@ -31,24 +31,13 @@ MOTION = NEAR_MOTION.itemsize // 8
 
 
 class Near(NamedTuple):
-    """A rank's data in a step for its share of the vertices.
+    """A rank's data in a step for its share of the vertices."""
 
-    Attributes
-    ----------
-    selection : Selection
-        The particles, the vertices that they may share, and their initial supports.
-    motion : (n,) NEAR_MOTION
-        The particles in this step.
-    now : Supports
-        Their supports at their current positions.
-    vertices : ReferenceVertices
-        All their vertices, in the order of their keys.
-    """
-
+    #: The particles, the vertices that they may share, and their initial supports.
     selection: Selection
-    motion: np.ndarray
-    now: Supports
-    vertices: ReferenceVertices
+    motion: np.ndarray  #: (n,) NEAR_MOTION: The particles in this step.
+    now: Supports  #: Their supports at their current positions.
+    vertices: ReferenceVertices  #: All their vertices, in the order of their keys.
 
 
 class NearParticles:
@@ -56,10 +45,6 @@ class NearParticles:
 
     Parameters
     ----------
-    scene : Scene
-        The scene.
-    comm : communicator
-        Of all ranks.
     local : (k, 3) uint32
         See `Supports`.
     """

@@ -14,63 +14,30 @@ from pgimp.scene.scene import Scene
 
 
 class Given(NamedTuple):
-    """What a rank has of the selections of all ranks, one after the other.
+    """What a rank has of the selections of all ranks, one after the other."""
 
-    Attributes
-    ----------
-    every : (m,) int64
-        Offsets of all its selected particles in the canonical order.
-    offsets : (n,) int64
-        Offsets by rank.
-    keys : (k,) int64
-        Keys of reference vertices by rank.
-    particles, vertices : (ranks,) int64
-        How many there are for each rank.
-    """
-
-    every: np.ndarray
-    offsets: np.ndarray
-    keys: np.ndarray
+    every: np.ndarray  #: (m,) int64: Offsets of all its selected particles in the canonical order.
+    offsets: np.ndarray  #: (n,) int64: Offsets by rank.
+    keys: np.ndarray  #: (k,) int64: Keys of reference vertices by rank.
+    #: particles, vertices: (ranks,) int64: How many there are for each rank.
     particles: np.ndarray
     vertices: np.ndarray
 
 
 class Selection(NamedTuple):
-    """Particles near contact round a rank's share of the vertices.
+    """Particles near contact round a rank's share of the vertices."""
 
-    Attributes
-    ----------
-    given : Given
-        What this rank has of all selections.
-    table : (n,) NEAR_PARTICLE
-        The particles, in canonical order.
-    half_width : (n, 3) float64
-        Their half-widths in cells.
-    cut : bool
-        Whether any is cut.
-    contact_vertices : ContactVertices
-        The candidate vertices, with room for sums.
-    initial : ReferenceSupports
-        The particles' initial supports.
-    hashes : (slots, 2) int64
-        Hash table of their reference vertices: offsets in `keys`.
-    keys : (k,) int64
-        Keys of these vertices, ascending.
-    order : (k,) int64
-        Their offsets among the vertices that other ranks send.
-    particles, vertices : (ranks,) int64
-        How many particles and vertices each rank sends.
-    """
-
-    given: Given
-    table: np.ndarray
-    half_width: np.ndarray
-    cut: bool
-    contact_vertices: ContactVertices
-    initial: ReferenceSupports
+    given: Given  #: What this rank has of all selections.
+    table: np.ndarray  #: (n,) NEAR_PARTICLE: The particles, in canonical order.
+    half_width: np.ndarray  #: (n, 3) float64: Their half-widths in cells.
+    cut: bool  #: Whether any is cut.
+    contact_vertices: ContactVertices  #: The candidate vertices, with room for sums.
+    initial: ReferenceSupports  #: The particles' initial supports.
+    #: (slots, 2) int64: Hash table of their reference vertices: offsets in `keys`.
     hashes: np.ndarray
-    keys: np.ndarray
-    order: np.ndarray
+    keys: np.ndarray  #: (k,) int64: Keys of these vertices, ascending.
+    order: np.ndarray  #: (k,) int64: Their offsets among the vertices that other ranks send.
+    #: particles, vertices: (ranks,) int64: How many particles and vertices each rank sends.
     particles: np.ndarray
     vertices: np.ndarray
 

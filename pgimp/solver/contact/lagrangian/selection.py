@@ -52,10 +52,6 @@ class Selector:
 
     Parameters
     ----------
-    scene : Scene
-        The scene.
-    comm : communicator
-        Of all ranks.
     rigid_bodies : RigidBodies or ()
         The rigid bodies at their positions.
     walls : SeparatingWalls

@@ -17,16 +17,11 @@ class Shares(NamedTuple):
     """The rank that finds the pairs of each vertex: a run of vertices along one axis for each.
 
     No bit of the results depends on it.
-
-    Attributes
-    ----------
-    axis : int
-        The axis.
-    ends : (ranks + 1,) int64
-        The first vertex of each rank, and the end of the last: all vertices have a rank.
     """
 
     axis: int
+    #: (ranks + 1,) int64: The first vertex of each rank, and the end of the last: all vertices have
+    #: a rank.
     ends: np.ndarray
 
     def within(self, rank: int) -> np.ndarray:

@@ -20,13 +20,6 @@ WIDTH = KEPT_FORCE.itemsize // 8
 class WarmStart:
     """Forces of pairs in the last step, and their changes, on the rank that solves.
 
-    Parameters
-    ----------
-    comm : communicator
-        Of all ranks.
-
-    Notes
-    -----
     They are found by vertex and bodies, so that nothing depends on the ranks. A stage begins
     without them, as a checkpoint from before they were kept does.
     """

@@ -31,23 +31,13 @@ _NAMES = ("body", "material", "rank", "id")
 
 
 class DrawnBody(NamedTuple):
-    """A body in a picture.
+    """A body in a picture."""
 
-    Attributes
-    ----------
-    name : str
-        Its name.
-    outline : Outline
-        Its outline.
-    points : Raster
-        Where its field is known.
-    values : ndarray, shape (rows, columns)
-        The field there, nan away from its particles; of no rows without a field.
-    """
-
-    name: str
-    outline: Outline
-    points: Raster
+    name: str  #: Its name.
+    outline: Outline  #: Its outline.
+    points: Raster  #: Where its field is known.
+    #: ndarray, shape (rows, columns): The field there, nan away from its particles; of no rows
+    #: without a field.
     values: Array
 
 
@@ -78,14 +68,10 @@ def bodies_of(
 
     Parameters
     ----------
-    snapshot : PlotFrame
-        The frame.
     selection : Selection
         Particles of which the bodies consist.
     quantity : Quantity
         The field.
-    camera : Camera
-        The projection.
     field : bool
         Whether the field is wanted, besides the outlines.
 

@@ -18,18 +18,12 @@ _LOST = 0.02
 
 
 class Outline(NamedTuple):
-    """The outline of a body.
+    """The outline of a body."""
 
-    Attributes
-    ----------
-    areas : list of (ndarray of shape (n, 2), ndarray of shape (k,))
-        Points of its parts, and where the rings of each begin and end: the first one around it,
-        anticlockwise, the others around holes.
-    lines : list of ndarray, shape (n, 2)
-        What is drawn: the rings, but not along periodic faces.
-    """
-
+    #: list of (ndarray of shape (n, 2), ndarray of shape (k,)): Points of its parts, and where the
+    #: rings of each begin and end: the first one around it, anticlockwise, the others around holes.
     areas: list[tuple[Array, Array]]
+    #: list of ndarray, shape (n, 2): What is drawn: the rings, but not along periodic faces.
     lines: list[Array]
 
     @property

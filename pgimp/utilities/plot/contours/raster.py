@@ -14,14 +14,9 @@ _TOGETHER = 1_000_000
 
 
 class Raster(NamedTuple):
-    """Points in rows and columns.
+    """Points in rows and columns."""
 
-    Attributes
-    ----------
-    x, y : ndarray, shape (columns,) and (rows,)
-        Coordinates in the picture, equally spaced.
-    """
-
+    #: x, y: ndarray, shape (columns,) and (rows,): Coordinates in the picture, equally spaced.
     x: Array
     y: Array
 

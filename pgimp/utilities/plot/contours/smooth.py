@@ -30,8 +30,6 @@ def smoothed(place: Array, values: Array, weight: Array, size: Array, points: Ra
         Their volumes.
     size : ndarray, shape (2,)
         Size of a particle.
-    points : Raster
-        The points.
 
     Returns
     -------

@@ -17,22 +17,13 @@ _MOST_LINES = 1_000_000
 
 
 class Changes(NamedTuple):
-    """Changes of the columns of a figure.
+    """Changes of the columns of a figure."""
 
-    Attributes
-    ----------
-    factor, factor_x : float
-        On the columns, and on the one along the axis.
-    over : str
-        Column by which they are divided; empty for none.
-    mean : int
-        Lines over which a moving mean is taken, an odd number.
-    """
-
+    #: factor, factor_x: On the columns, and on the one along the axis.
     factor: float = 1.0
     factor_x: float = 1.0
-    over: str = ""
-    mean: int = 1
+    over: str = ""  #: Column by which they are divided; empty for none.
+    mean: int = 1  #: Lines over which a moving mean is taken, an odd number.
 
     def of(
         self, values: Mapping[str, Array], names: Sequence[str], across: str

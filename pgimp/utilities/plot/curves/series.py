@@ -19,8 +19,6 @@ class Series:
 
     Parameters
     ----------
-    shown : PlotRun
-        The run.
     probe : str
         The probe; empty for only the history.
     label : str

@@ -32,34 +32,21 @@ _UNEVEN = 1.5
 
 
 class Band(NamedTuple):
-    """What of the curves is transformed, and what of the spectra is shown.
+    """What of the curves is transformed, and what of the spectra is shown."""
 
-    Attributes
-    ----------
-    times, frequencies : (float, float) or None
-        Ends of the times and of the frequencies; None for all, and for those around the peaks.
-    """
-
+    #: times, frequencies: (float, float) or None: Ends of the times and of the frequencies; None
+    #: for all, and for those around the peaks.
     times: tuple[float, float] | None = None
     frequencies: tuple[float, float] | None = None
 
 
 class Spectra(NamedTuple):
-    """The spectra of the columns of a run or probe.
+    """The spectra of the columns of a run or probe."""
 
-    Attributes
-    ----------
-    values : dict of str to ndarray
-        `FREQUENCY` and amplitudes by column, each of shape (n,).
-    peaks : dict of str to list of (float, float)
-        Frequency and amplitude of the shown peaks, by column.
-    remarks : list of str
-        What was found, and what was done with the lines.
-    """
-
-    values: dict[str, Array]
+    values: dict[str, Array]  #: `FREQUENCY` and amplitudes by column, each of shape (n,).
+    #: dict of str to list of (float, float): Frequency and amplitude of the shown peaks, by column.
     peaks: dict[str, list[Peak]]
-    remarks: list[str]
+    remarks: list[str]  #: What was found, and what was done with the lines.
 
 
 def add_arguments(group: argparse._ArgumentGroup) -> None:

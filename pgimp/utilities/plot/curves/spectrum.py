@@ -25,24 +25,14 @@ _APART, _LOWEST = 2.0, 1.5
 
 
 class Spectrum(NamedTuple):
-    """The amplitude spectrum of a curve over time.
+    """The amplitude spectrum of a curve over time."""
 
-    Attributes
-    ----------
-    frequency : (n,) float64
-        Frequencies from 0 on, up to half of the mean number of lines per time.
-    amplitude : (n,) float64
-        Amplitudes: a sinusoid of amplitude A gives a peak of height A.
-    resolution : float
-        One over the curve's length in time.
-    gaps : (float, float)
-        Least and greatest time between lines.
-    """
-
+    #: (n,) float64: Frequencies from 0 on, up to half of the mean number of lines per time.
     frequency: Array
+    #: (n,) float64: Amplitudes: a sinusoid of amplitude A gives a peak of height A.
     amplitude: Array
-    resolution: float
-    gaps: tuple[float, float]
+    resolution: float  #: One over the curve's length in time.
+    gaps: tuple[float, float]  #: Least and greatest time between lines.
 
     @property
     def even(self) -> bool:
@@ -82,8 +72,8 @@ def spectrum(time: Array, values: Array) -> Spectrum:
     ----------
     time : (n,) float64
         Times, which increase; at least `MIN_LINES`.
-    values : (n,) float64
-        The values.
+    values
+        (n,) float64.
     """
     gaps, length = np.diff(time), float(time[-1] - time[0])
     step, found = length / len(gaps), np.asarray(values, float)
