@@ -117,8 +117,7 @@ class ParticleGroup:
             Calls the kernels of the group.
         forcing : Forcing
             The forcing of all particles.
-        layers
-            (n,) int64.
+        layers : (n,) int64
         report : Report
             What the kernels fill.
         first : bool

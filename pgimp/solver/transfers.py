@@ -118,8 +118,7 @@ def update_particles(
         Its particles.
     forcing : Forcing
         From `particle_forcing`.
-    layers
-        (n,) int64.
+    layers : (n,) int64
     found : sequence of RangeReport
         Reports of the earlier ranges; this one writes behind them.
     """

@@ -177,8 +177,7 @@ def distances(tree, points, beside, begin, near_ones, out) -> int:
     ----------
     tree
         T, low, high, leaves.
-    points
-        (n, 3) float64.
+    points : (n, 3) float64
     beside : (k, 3) float64
         The places, from the point.
     begin : int

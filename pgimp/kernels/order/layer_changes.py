@@ -78,8 +78,7 @@ def pack_rows(words, halves, rows, wire, offset, width):
     ----------
     words, halves : tuples of arrays
         See `Particles.columns`: of one type each in all scenes, so that this is compiled once.
-    rows
-        (k,) int32.
+    rows : (k,) int32
     wire : int64
         A message.
     """

@@ -25,18 +25,12 @@ _LISTED = 1024
 
 
 class LatticeCells(NamedTuple):
-    """A rank's cells of lattice particles, and its other particles.
-
-    Attributes
-    ----------
-    others, inside : Order
-        The particles that are in no cell: off the lattice, or with a traction; and those in cells.
-    """
+    """A rank's cells of lattice particles, and its other particles."""
 
     cells: Cells
     rows: np.ndarray  #: (slots,) int32: Row of the particle in each slot, or -1.
-    off_lattice: Order
-    inside: Order
+    off_lattice: Order  #: The particles that are in no cell: off the lattice, or with a traction.
+    inside: Order  #: Those in cells.
     is_inside: np.ndarray  #: (capacity,) bool: Whether the particle in a row is in a cell.
 
 

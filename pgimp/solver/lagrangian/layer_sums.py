@@ -30,8 +30,7 @@ def sum_layers(
         The scene of the particles.
     order : Order
         The particles, by layer.
-    sums
-        (layers, bodies, columns) float64.
+    sums : (layers, bodies, columns) float64
     bodies : collection of int, optional
         Whose particles these are, if not all.
     """

@@ -162,7 +162,7 @@ class Slaves(StepPart):
         """
         if not len(self.free):
             return np.inf
-        frame, p, rows = rank.grid.frame, rank.up_to_date(), rank.lattice_cells().others.rows
+        frame, p, rows = rank.grid.frame, rank.up_to_date(), rank.lattice_cells().off_lattice.rows
         h = np.array(frame.cell)
         x = (p.origin[rows] - np.array(frame.origin)) / h + frame.ghost
         first = np.floor(x).astype(np.int64)

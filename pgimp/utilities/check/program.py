@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from inspect import getdoc, isfunction
+from inspect import getdoc, getsource, isfunction
 from itertools import chain
 from statistics import median
 from time import perf_counter
@@ -37,6 +37,9 @@ _MAX_PARTICLES = 20_000
 _STEPS, _BLOCK = 72, 8
 #: Further factors on the cells of a sample, for cases that a coarse grid does not fit.
 _POWERS = (1.0, 0.9, 0.8, 0.7)
+
+#: A field of a record, with the lines of `#:` above it, or what stands beside it.
+_FIELD = re.compile(r"((?:^ +#: .*\n)*)^ +(\w+): [^#\n]*?(?:  #: (.*))?$", re.M)
 
 Key = tuple[int, str, str]
 
@@ -188,7 +191,7 @@ def features_of(arg: Any, sim: Simulation) -> Iterator[tuple[str, str]]:
     if isinstance(arg, KernelScene):
         yield from _of_setting(arg, sim)
         return
-    meanings, defaults = attributes(type(arg)), getattr(arg, "_field_defaults", {})
+    meanings, defaults = meanings_of(type(arg)), getattr(arg, "_field_defaults", {})
     for name, value in zip(arg._fields, arg, strict=True):
         optional = defaults.get(name, 0) == ()
         if optional and not (isinstance(value, tuple) and len(value) == 0):
@@ -208,14 +211,22 @@ def _of_setting(setting: KernelScene, sim: Simulation) -> Iterator[tuple[str, st
             yield f"law {getattr(entry, 'model', name)}", first_line(type(entry))
 
 
-def attributes(record: type) -> dict[str, str]:
-    """The first sentences of a record's attributes, from its docstring."""
-    text = (getdoc(record) or "").partition("Attributes\n----------\n")[2]
+def meanings_of(record: type) -> dict[str, str]:
+    """The first sentences of what stands beside the fields of a record, or above them."""
     found: dict[str, str] = {}
-    for names, body in re.findall(r"^(\w[\w, ]*) : .*\n((?:[ ]+.*\n?|\n(?=[ ]))+)", text, re.M):
-        sentence = " ".join(body.split()).split(". ")[0].rstrip(".")
-        found |= dict.fromkeys(names.split(", "), sentence)
+    for above, name, beside in _FIELD.findall(getsource(record)):
+        text = beside or " ".join(line.strip()[3:] for line in above.splitlines())
+        names, several, rest = text.partition(": ")
+        if several and all(each in record.__annotations__ for each in names.split(", ")):
+            found |= dict.fromkeys(names.split(", "), _sentence(rest))
+        elif text:
+            found[name] = _sentence(text)
     return found
+
+
+def _sentence(text: str) -> str:
+    """First sentence of what stands beside a field, without its kind."""
+    return re.sub(r"^.*? or \(\): ", "", text).split(". ")[0].rstrip(".")
 
 
 def watched(case: Case, count: int) -> tuple[Watch, Simulation] | str:

@@ -124,7 +124,7 @@ def test_whoever_holds_particles_sees_them_when_somebody_asks():
 def test_pieces_have_the_same_bits(monkeypatch, most):
     """Lines, columns and fields, of layers of which several are a piece, or one is many."""
     monkeypatch.setattr(pieces, "_FEW", most)
-    monkeypatch.setattr(pieces, "_MOST", most)
+    monkeypatch.setattr(pieces, "_MAX_PARTICLES", most)
     case = CASE | {"time": {"end": 0.3, "step": 0.01}}
     ours = finish(start(case))
     with monkeypatch.context() as patch:

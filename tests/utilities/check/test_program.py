@@ -11,7 +11,7 @@ from pgimp.jit.bound import Bound
 from pgimp.kernels.loads.loads import Loads
 from pgimp.solver.parts import PARTS
 from pgimp.solver.rank import PHASES
-from pgimp.utilities.check.program import Watch, attributes, report_program, watched
+from pgimp.utilities.check.program import Watch, meanings_of, report_program, watched
 
 #: The laps of `pgimp.solver.step`, on one rank.
 ORDER = "contact P2G exchange contact momentum contact momentum P2G G2P migrate migrate order"
@@ -95,7 +95,7 @@ def test_a_run_of_three_steps(capsys):
 
 
 def test_all_loads_have_a_meaning():
-    """What kernels may have is explained by the records' docstrings, with a sentence of its own."""
-    meanings = attributes(Loads)
+    """What kernels may have is explained beside the records' fields, with a sentence of its own."""
+    meanings = meanings_of(Loads)
     assert set(meanings) == set(Loads._fields)
     assert not [name for name, text in meanings.items() if text.startswith("See")]

@@ -189,8 +189,7 @@ def find_coupling(frame, particles, initial, mirrors, slots, contact_vertices, s
 
     Parameters
     ----------
-    particles
-        (NEAR_PARTICLE, NEAR_MOTION), each (n,).
+    particles : (NEAR_PARTICLE, NEAR_MOTION), each (n,)
     initial : (ReferenceSupports, (slots, 2) int64, (k,) int64, int)
         The particles' supports at their initial positions; hash table and keys of the reference
         vertices; number of velocity fields.

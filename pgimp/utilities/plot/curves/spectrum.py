@@ -72,8 +72,7 @@ def spectrum(time: Array, values: Array) -> Spectrum:
     ----------
     time : (n,) float64
         Times, which increase; at least `MIN_LINES`.
-    values
-        (n,) float64.
+    values : (n,) float64
     """
     gaps, length = np.diff(time), float(time[-1] - time[0])
     step, found = length / len(gaps), np.asarray(values, float)
