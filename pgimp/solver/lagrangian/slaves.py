@@ -14,7 +14,6 @@ vertices. So no bit depends on the ranks.
 from __future__ import annotations
 
 from collections.abc import Collection
-from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,6 +26,7 @@ from pgimp.kernels.lagrangian.slaves import fold_vectors, spread_vectors
 from pgimp.kernels.sums.sums import ANGULAR, KINETIC
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
+from pgimp.solver.lagrangian.greatest_frequency import stable_courant
 from pgimp.solver.lagrangian.masters import REACH, Vertices, choose_masters
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.vertices import StepPart, VertexUpdate
@@ -75,7 +75,7 @@ class Slaves(StepPart):
     free : (k,) int64
         Vertices that hold too little, and have no cell near them.
     courant : float
-        Courant number up to which these are stable.
+        Courant number up to which vertices near slaves are stable.
     """
 
     def __init__(self, scene: Scene, comm: Communicator) -> None:
@@ -133,12 +133,15 @@ class Slaves(StepPart):
                 break
             chosen &= ~spoilt
         self.free = keys[~chosen]
-        self.courant = self._stable(rank, total[row[~chosen]])
         self.keys, self.weights = keys[chosen], weights[chosen]
         numbers, self.of = np.unique(masters[chosen], return_inverse=True)
         self.of = self.of.reshape(self.weights.shape)
         self.masters = known[numbers]
         self._find_changes(own[:, row[chosen]])
+        folded[row[chosen]] = 0.0
+        light = np.concatenate([self.keys, self.free])
+        of = np.searchsorted(known, self.masters)[self.of]
+        self.courant = stable_courant(rank, light, known, folded, (of, self.weights))
         self._field = None
 
     def _find_changes(self, own: np.ndarray) -> None:
@@ -152,35 +155,6 @@ class Slaves(StepPart):
                 found.append((keys[some], np.full(some.sum(), b), values[some]))
         keys, bodies, values = (np.concatenate(each) for each in zip(*found, strict=True))
         self._changes = keys, bodies, values
-
-    def _stable(self, rank: RankState, mass: np.ndarray) -> float:
-        """Courant number up to which the free vertices, of these masses, are stable; collective.
-
-        One of mass M that particles of mass m hold by gradients g has the frequency c sqrt(sum m
-        g^2/M) against others at rest, with the wave speed c. Against others like it, that is
-        sqrt(2) times as great.
-        """
-        if not len(self.free):
-            return np.inf
-        frame, p, rows = rank.grid.frame, rank.up_to_date(), rank.lattice_cells().off_lattice.rows
-        h = np.array(frame.cell)
-        x = (p.origin[rows] - np.array(frame.origin)) / h + frame.ghost
-        first = np.floor(x).astype(np.int64)
-        near = np.isin(Vertices.key(rank, first, p.body[rows]), Vertices.cells_of(rank, self.free))
-        x, first, rows = x[near] - first[near], first[near], rows[near]
-        sums = np.zeros(len(self.free))
-        for corner in product((0, 1), repeat=len(h)):
-            keys = Vertices.key(rank, first + np.array(corner), p.body[rows])
-            n = np.where(np.array(corner) == 1, x, 1.0 - x)
-            square = np.zeros(len(rows))
-            for d in range(len(h)):
-                square += (np.delete(n, d, axis=1).prod(axis=1) / h[d]) ** 2
-            at = np.minimum(np.searchsorted(self.free, keys), len(self.free) - 1)
-            mine = self.free[at] == keys
-            np.add.at(sums, at[mine], (p.m[rows] * square)[mine])
-        every = np.sum(self.comm.allgather(sums), axis=0)
-        greatest = np.sqrt(2.0 * (every / mass).max()) * h.min()
-        return float(2.0 / greatest)
 
     def fold_masses(self, rank: RankState) -> None:
         """Add the kept masses of slaves to their masters'."""
@@ -320,7 +294,7 @@ class Slaves(StepPart):
         values[rows.shared[which]] = found[known]
 
     def require_stable(self, courant: float) -> None:
-        """Refuse steps that free vertices do not bear.
+        """Refuse steps that vertices near the surface do not bear.
 
         Raises
         ------
@@ -328,11 +302,13 @@ class Slaves(StepPart):
             On every rank.
         """
         if courant > self.courant:
+            alone = len(self.free)
             raise CaseError(
-                f"bodies: {len(self.free)} vertices of bodies with surface: exact hold less than "
-                f"{100 * LEAST:g} % of a cell, have no cell near them to move with, and are stable "
-                f"up to the Courant number {self.courant:.2g}; the first step has {courant:.2g}. "
-                "Such are where a body is thinner than two cells, or ends in a sharp edge: take "
+                "bodies: near the surface of bodies with surface: exact vertices are stable up to "
+                f"the Courant number {self.courant:.2g}; the first step has {courant:.2g}. "
+                + f"{alone} of them hold little, and have no cell near them. "
+                * bool(alone)
+                + "Such are where a body is thinner than two cells, or ends in a sharp edge: take "
                 "finer cells (grid.cell), a smaller number (time.step), or surface: cut"
             )
 

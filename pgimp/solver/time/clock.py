@@ -1,7 +1,7 @@
 """Time: fixed steps, or steps from the Courant number."""
 
 from bisect import bisect_right
-from math import ceil, inf
+from math import ceil, inf, isfinite
 from typing import NamedTuple
 
 from pgimp.case.schema import Case
@@ -206,7 +206,8 @@ class StandingCourantClock(CourantClock):
                 "  try: a smaller time.step: {courant: ...}, smaller loads, finer cells"
             )
         courant = self._courant * self.part
-        dt = courant / rate if courant < rate * self._longest else self._longest
+        longest = inf if rate > 0.0 and isfinite(self.rest_rate) else self._longest
+        dt = courant / rate if courant < rate * longest else longest
         return self.after(done.number + 1, self.end, dt)
 
     def after(self, number: int, time: float, dt: float) -> Step:

@@ -206,6 +206,25 @@ def test_thin_bodies_keep_their_vertices():
         start(thin({"courant": 0.5}))
 
 
+def test_a_thin_ring_is_stable_up_to_what_its_vertices_bear():
+    """Masters of slaves on both sides lose mass to them: .57 of a cell thick, refused at .65."""
+    balls = [{"ball": {"centre": [9.0, 9.0], "radius": radius}} for radius in (8.0, 7.43)]
+    turn = {"velocity": {"rotation": {"about": [9.0, 9.0], "rate": 0.01}}}
+
+    def ring(courant):
+        body = exact({"difference": balls}, **turn)
+        return scene(2, body, cells=[18, 18], end=40.0, step={"courant": courant})
+
+    with pytest.raises(CaseError, match=r"stable up to the Courant number 0\.5\d; .* has 0\.65"):
+        start(ring(0.65))
+    sim = start(ring(0.5))
+    first = sim.diagnostics()["kinetic-energy"]
+    finish(sim)
+    line = sim.diagnostics()
+    assert sim.step > 100
+    assert abs(line["kinetic-energy"] + line["strain-energy"] - first) < 1e-3 * first
+
+
 def test_a_bar_in_one_dimension():
     """A bar that ends within two cells: its mass, and its stress under a face's traction."""
     body = exact({"box": {"min": [1.03], "max": [6.2]}})
