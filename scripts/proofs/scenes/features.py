@@ -16,6 +16,7 @@ from typing import NamedTuple
 from proofs.scenes.bodies import add_bodies, mass_scaling, number, thin, vector
 from proofs.scenes.configurations import (
     along_the_axis,
+    averaged,
     both,
     exact_surfaces,
     initial,
@@ -265,6 +266,7 @@ FEATURES = (
     Feature("periodic faces", periodic, 0.2, compiled=True),
     Feature("settling", settling, 0.1, compiled=True),
     Feature("exact surfaces", exact_surfaces, 0.7, compiled=True),
+    Feature("averaged mass", averaged, 0.5, compiled=True),
     Feature("body force of one's own", own_force, 0.15, compiled=True),
     Feature("velocity of one's own", own_velocity, 0.15),
     Feature("motion of one's own", own_motion, 0.3, compiled=True),
