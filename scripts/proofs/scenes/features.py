@@ -199,9 +199,8 @@ def sinks(rng, scene):
     bodies = scene.case["bodies"].values()
     if all(body.get("configuration") == "initial" for body in bodies if "rigid" not in body):
         return False
-    grid = scene.case["grid"]
     for i in range(rng.choice((1, 1, 2))):
-        pairs = zip(grid["origin"], grid["size"], strict=True)
+        pairs = zip(*(scene.case["grid"][key] for key in ("origin", "size")), strict=True)
         centre = [a + rng.uniform(0.0, 1.0) * size for a, size in pairs]
         reach = [rng.uniform(0.5, 3.0) * h for h in scene.cell]
         box = {end: [x + sign * r for x, r in zip(centre, reach, strict=True)]
