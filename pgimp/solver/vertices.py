@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from pgimp.kernels.data.arguments import Forcing, Order
 from pgimp.kernels.data.ledger import Ledger
-from pgimp.kernels.data.record import VELOCITY
+from pgimp.kernels.data.record import ACCELERATION, VELOCITY
 from pgimp.kernels.grid.constraints import apply_constraints
 from pgimp.kernels.grid.faces import Faces
 from pgimp.kernels.grid.image_values import fold_volumes
@@ -129,6 +129,7 @@ def move_slaves(rank: RankState) -> None:
     """Move vertices that hold next to nothing as their masters say; collective."""
     if rank.slaves:
         rank.slaves.spread(rank, rank.grid.G, VELOCITY)
+        rank.slaves.spread(rank, rank.grid.G, ACCELERATION)  # for the work of loads that follow
 
 
 def keep_vertex_motion(rank: RankState, update: VertexUpdate) -> None:

@@ -27,7 +27,7 @@ from pgimp.kernels.transfer.first_vertex import (
 )
 from pgimp.kernels.transfer.gather import gather_products
 from pgimp.kernels.transfer.parts import (
-    gather_parts,
+    gather_between,
     keep_corners,
     product_count,
     read_products,
@@ -294,9 +294,9 @@ def _power(load, layout, particles, p, acts, planes, support, half):
     (shape, frame), (G, offset, stride), like = layout, planes, layout[1].origin
     part, f = acts
     if by_parts(shape):
-        U, A, D = gather_parts(G, support, offset, stride, like)
+        U, D = gather_between(G, support, offset, stride, half, like)
         couples = _couples(load, frame, particles, p, part, like)
-        return _scalar(f, U - half * A) + _powers(couples, D)
+        return _scalar(f, U) + _powers(couples, D)
     U, A = gather_products(shape, G, support, offset, stride, like, (), ())[:2]
     return _scalar(f, U - half * A)
 

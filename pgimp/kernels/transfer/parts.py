@@ -176,3 +176,16 @@ def gather_parts(G, support, offset, stride, like, corner=()):
     N, dN = corner_weights(support.buffer, support.j, corner)
     u = load(G, offset)
     return N * u, N * load(G, offset + 4), tuple(g * u for g in dN)
+
+
+@inlined
+def gather_between(G, support, offset, stride, half, like, corner=()):
+    """Mean over a part of the velocity less `half` times the acceleration, and its gradient."""
+    if len(corner) < len(like):
+        U, D = gather_between(G, support, offset, stride[1:], half, like, (*corner, 0))
+        upper = offset + stride[0]
+        V, E = gather_between(G, support, upper, stride[1:], half, like, (*corner, 1))
+        return U + V, plus_scaled(1.0, D, E)
+    N, dN = corner_weights(support.buffer, support.j, corner)
+    u = load(G, offset) - half * load(G, offset + 4)
+    return N * u, tuple(g * u for g in dN)

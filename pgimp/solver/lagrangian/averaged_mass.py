@@ -57,10 +57,13 @@ class AveragedMass(StepPart):
             self._accelerations = aligned((grid.planes + 2 * reach) * half)
             self._buffer = aligned(half)
         forcing, A, rows = update.forcing, self._accelerations, self._rows
-        if rank.grips and rank.grips.acts:
-            constraints = rank.grips.forecast(rank, update)
+        scratch, every = np.empty((len(domain.faces), 3)), (0, grid.planes)
+        if rank.grips and rank.grips.acts:  # they move by the accelerations of what they hold
+            free = frame, field, update.faces, forcing, scratch, A, reach
+            rank.call(find_accelerations, *free, every)
+            constraints = rank.grips.forecast(rank, update, A, reach)
             forcing = forcing._replace(marked=(constraints, *forcing.marked[1:]))
-        setting = frame, field, update.faces, forcing, np.empty((len(domain.faces), 3)), A, reach
+        setting = frame, field, update.faces, forcing, scratch, A, reach
         mirrors = *domain.absorbing_mirrors, *domain.mirrors
         images = *domain.seams, *sorted(mirrors, key=lambda each: each.releases)  # as sums fold
         if not (images or rank.slab.neighbours):
@@ -72,7 +75,6 @@ class AveragedMass(StepPart):
                 ahead = min(last + reach, grid.planes)
                 rank.call(average_forces, field, A, reach, rows, (first, last), self._buffer)
             return
-        every = 0, grid.planes
         rank.call(find_accelerations, *setting, every)
         for each in reversed(images):
             rank.call(copy_accelerations, frame, field, each, A, reach)

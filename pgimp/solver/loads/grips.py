@@ -24,6 +24,8 @@ from pgimp.solver.vertices import StepPart, VertexUpdate
 #: that grips have borne in contact, which moves them in the next step.
 VELOCITY, DISPLACEMENT, DEFLECTION, BORNE, STATES = 0, 1, 2, 3, 4
 
+_NONE = np.empty(0)
+
 
 class Grips(StepPart):
     """The grips of a scene that given forces move; every rank has all of them.
@@ -105,11 +107,16 @@ class Grips(StepPart):
             self._rates[k] = np.where(moved[k], one.rate, 0.0)
         return found
 
-    def forecast(self, rank: RankState, update: VertexUpdate) -> tuple[Constraint, ...]:
-        """Return all constraints, with the motion of the grips by current forces; collective."""
+    def forecast(
+        self, rank: RankState, update: VertexUpdate, A: np.ndarray = _NONE, reach: int = 0
+    ) -> tuple[Constraint, ...]:
+        """Return all constraints, with the motion of the grips by current forces; collective.
+
+        Before the momentum update `A` has the accelerations; see `sum_grips`.
+        """
         t, grid, forcing = update.t, rank.grid, update.forcing
         sums = np.zeros((grid.planes, len(self.entries), 3, GRIPPED))
-        rank.call(sum_grips, grid.field, forcing, self.controls, sums)
+        rank.call(sum_grips, grid.field, forcing, self.controls, A, reach, sums)
         total = self._sum(rank, sums[: grid.owned])
         constraints, found = forcing.marked[0], []
         for k, (one, entry) in enumerate(zip(constraints, self.entries, strict=True)):

@@ -73,6 +73,22 @@ def exact_surfaces(rng, scene):
     return True
 
 
+def averaged(rng, scene):
+    """Averaged mass, of all bodies or of some, where they are in the initial configuration."""
+    case = scene.case
+    begun = [b for b in case["bodies"].values() if b.get("configuration") == "initial"]
+    exact = any(body.get("surface") == "exact" for body in begun)
+    if not begun or exact or case["method"]["shape"] == "mpm":
+        return False
+    if len(begun) == len(case["bodies"]) and rng.random() < 0.6:
+        case["method"]["mass"] = "averaged"
+        return True
+    some = [body for body in begun if rng.random() < 0.7] or begun
+    for body in some:
+        body["mass"] = "averaged"
+    return True
+
+
 def both(rng, scene):
     """Some bodies in the initial configuration beside others, with one law of contact or none."""
     case = scene.case

@@ -16,6 +16,7 @@ from typing import NamedTuple
 from proofs.scenes.bodies import add_bodies, mass_scaling, number, thin, vector
 from proofs.scenes.configurations import (
     along_the_axis,
+    averaged,
     both,
     exact_surfaces,
     initial,
@@ -198,9 +199,8 @@ def sinks(rng, scene):
     bodies = scene.case["bodies"].values()
     if all(body.get("configuration") == "initial" for body in bodies if "rigid" not in body):
         return False
-    grid = scene.case["grid"]
     for i in range(rng.choice((1, 1, 2))):
-        pairs = zip(grid["origin"], grid["size"], strict=True)
+        pairs = zip(*(scene.case["grid"][key] for key in ("origin", "size")), strict=True)
         centre = [a + rng.uniform(0.0, 1.0) * size for a, size in pairs]
         reach = [rng.uniform(0.5, 3.0) * h for h in scene.cell]
         box = {end: [x + sign * r for x, r in zip(centre, reach, strict=True)]
@@ -265,6 +265,7 @@ FEATURES = (
     Feature("periodic faces", periodic, 0.2, compiled=True),
     Feature("settling", settling, 0.1, compiled=True),
     Feature("exact surfaces", exact_surfaces, 0.7, compiled=True),
+    Feature("averaged mass", averaged, 0.5, compiled=True),
     Feature("body force of one's own", own_force, 0.15, compiled=True),
     Feature("velocity of one's own", own_velocity, 0.15),
     Feature("motion of one's own", own_motion, 0.3, compiled=True),

@@ -311,3 +311,16 @@ def test_a_force_at_a_grip_gives_momentum():
     line = sim.diagnostics()
     assert line["momentum-x"] == pytest.approx(2.0 * sim.time, rel=1e-12)
     assert line["kinetic-energy"] + line["strain-energy"] < line["external-work"] * 1.02
+
+
+def test_a_grip_flies_on_with_its_body():
+    """Without a force nothing strains; the forecast of the grip's motion takes its velocity."""
+    part = {"box": {"min": [3.0], "max": [6.0]}}
+    grip = {"body": "body", "region": part, "velocity": [None], "force": [0.0]}
+    body = initial([3.37], [33.37], velocity=[0.5])
+    sim = start(solid(1, body, [40], "averaged", constraints={"grip": grip}))
+    for _ in range(100):
+        sim.advance()
+    line = sim.diagnostics()
+    assert line["kinetic-energy"] == pytest.approx(0.5 * 30.0 * 0.5**2, rel=1e-12)
+    assert line["strain-energy"] < 1e-20

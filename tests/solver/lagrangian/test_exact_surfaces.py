@@ -164,6 +164,20 @@ def test_faces_and_regions_give_the_same():
     np.testing.assert_allclose(*found, atol=1e-12)
 
 
+@pytest.mark.parametrize("load", ["face", "corner"])
+def test_work_of_the_first_step_is_its_kinetic_energy(load):
+    """Of a load that follows, with slaves under it and at a corner that it goes round."""
+    place = {"face": "x-max"}
+    if load == "corner":
+        place = {"region": {"box": {"min": [3.0, 3.0], "max": [9.0, 9.0]}}}
+    tractions = {"t": {"body": "body", "pressure": 1.0} | place}
+    sim = start(block((1.37, 1.98), end=0.2, tractions=tractions))
+    sim.advance()
+    assert len(sim.rank.slaves.keys)
+    line = sim.diagnostics()
+    assert line["external-work"] == pytest.approx(line["kinetic-energy"], rel=1e-12)
+
+
 def test_loads_end_where_their_region_ends():
     part = {"box": {"min": [2.13, 5.0], "max": [4.01, 9.0]}}
     load = {"t": {"body": "body", "region": part, "traction": [0.0, 1.0]}}
