@@ -9,7 +9,7 @@ from pgimp.kernels.data.velocity_fields import field_count, field_size
 from pgimp.kernels.grid.conditions import Holding, book_losses, hold
 from pgimp.kernels.grid.constraint_flags import also_held
 from pgimp.kernels.grid.constraints import constrained_velocity
-from pgimp.kernels.grid.faces import beyond_any, face_count, side_of, wall_of
+from pgimp.kernels.grid.faces import beyond_any, box_of, face_count, side_of, wall_of
 from pgimp.kernels.loads.loads import given
 from pgimp.kernels.loads.wall_gap import clear
 
@@ -118,22 +118,8 @@ def _constrain_face(faces, n, frame, field, forcing, i, ledger):
     """See `constrain_plane`."""
     window, G, owned, dt = field.window, field.G, i < field.owned, forcing.dt
     work = ledger.work
-    axis, side = side_of(faces, n)
-    wall = wall_of(faces, n, frame)
-    j0, j1 = 0, window.extent[1]
-    k0, k1 = 0, window.extent[2]
-    if axis == 0:
-        if (i + window.lower[0] - wall) * side < 0:
-            return
-    elif axis == 1:
-        if side < 0:
-            j1 = min(j1, wall - window.lower[1] + 1)
-        else:
-            j0 = max(j0, wall - window.lower[1])
-    elif side < 0:
-        k1 = min(k1, wall - window.lower[2] + 1)
-    else:
-        k0 = max(k0, wall - window.lower[2])
+    axis, wall = side_of(faces, n)[0], wall_of(faces, n, frame)
+    j0, j1, k0, k1 = box_of(faces, n, frame, window, i)
     for f in range(field_count(window)):
         rate = grid_rate(forcing.loads.relaxation, field.motion, f)
         holding = Holding(faces, frame, forcing, ledger.impulse[i], rate)
