@@ -1,0 +1,127 @@
+"""Search for facets near each other: neighbours on a body, and the facets of other bodies."""
+
+from math import inf
+
+from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.kernels.contact.surfaces.gaps import MEETS
+
+
+@inner_kernel
+def _first(keys, key):
+    """Offset of the first of ascending keys that is not below a key."""
+    low, high = 0, len(keys)
+    while low < high:
+        middle = (low + high) // 2
+        if keys[middle] < key:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
+@kernel
+def find_beside(x, body, key_of, bins, strides, radius, start, beside):
+    """Find the neighbours of facets on their body; returns their number.
+
+    Parameters
+    ----------
+    x, body : (n, 3) float64, (n,) int64
+        Centroids and bodies.
+    key_of : (n,) int64
+        Keys of the bins, with sides `radius`, that they are in.
+    bins : ((n,) int64, (n,) int64)
+        These keys, ascending, and the facets in that order.
+    strides : (3,) int64
+        Differences of keys between neighbours by direction, 0 along missing ones.
+    radius : float
+        Greatest distance of neighbours.
+    start, beside : (n + 1,) and (k,) int64
+        See `Surface`; filled as far as there is room.
+    """
+    found, (keys, order) = 0, bins
+    start[0] = 0
+    for n in range(len(x)):
+        for way in range(27):
+            i, j, k = way // 9 - 1, way // 3 % 3 - 1, way % 3 - 1
+            if (i != 0 and strides[0] == 0) or (j != 0 and strides[1] == 0):
+                continue
+            if k != 0 and strides[2] == 0:
+                continue
+            key = key_of[n] + i * strides[0] + j * strides[1] + k * strides[2]
+            at = _first(keys, key)
+            while at < len(keys) and keys[at] == key:
+                m, square = order[at], 0.0
+                at += 1
+                if m == n or body[m] != body[n]:
+                    continue
+                for d in range(3):
+                    square += (x[m, d] - x[n, d]) ** 2
+                if square <= radius * radius:
+                    if found < len(beside):
+                        beside[found] = m
+                    found += 1
+        start[n + 1] = found
+    return found
+
+
+@kernel
+def find_meeting(surface, clusters, meeting, reach, best, every):
+    """Find the facets that may soon meet another body; returns their number.
+
+    Parameters
+    ----------
+    surface : Surface
+        The facets, moved.
+    clusters : ((m + 1,) int64, (n,) int64)
+        First entry of each cluster, and the facets of each.
+    meeting : (k, 3) int64
+        Clusters that meet: the one whose facets look, the other body, its cluster; ascending.
+    reach : float
+        Greatest distance.
+    best : (n,) float64
+        Scratch: inf before and after.
+    every : (room,) NEAR_FACET
+        Filled as far as there is room: facets, bodies, the nearest facet there.
+    """
+    first, members = clusters
+    found, k = 0, 0
+    while k < len(meeting):
+        last = k
+        while (
+            last < len(meeting)
+            and meeting[last, 0] == meeting[k, 0]
+            and meeting[last, 1] == meeting[k, 1]
+        ):
+            last += 1
+        own = meeting[k, 0]
+        for n in range(first[own], first[own + 1]):
+            s, least, nearest = members[n], reach * reach, -1
+            for other in range(k, last):
+                c = meeting[other, 2]
+                for m in range(first[c], first[c + 1]):
+                    f = members[m]
+                    square, same = 0.0, 0.0
+                    for d in range(3):
+                        square += (surface.now[s, d] - surface.now[f, d]) ** 2
+                        same += surface.turned[s, d] * surface.turned[f, d]
+                    if same <= MEETS and (square < least or (square == least and f < nearest)):
+                        least, nearest = square, f
+            if nearest < 0:
+                continue
+            if found < len(every):
+                every[found].facet, every[found].body = s, meeting[k, 1]
+                every[found].other, every[found].gap = nearest, inf
+            found += 1
+        k = last
+    return found
+
+
+@kernel
+def keys_of_vertices(bits, numbers, keys):
+    """Set the keys of vertices, given numbers along x, y, z and field, (n, 4) int64.
+
+    `bits` are of a key, see `pgimp.kernels.contact.lagrangian.reference_grid.key_bits`.
+    """
+    for n in range(len(keys)):
+        key = (numbers[n, 0] << bits[0]) + numbers[n, 1]
+        keys[n] = (((key << bits[1]) + numbers[n, 2]) << bits[2]) + numbers[n, 3]
