@@ -10,8 +10,10 @@ from math import inf, sqrt
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.kernels.contact.surfaces.motion import gradient_at, position_at, turned_normal
 
-#: Greatest cosine between normals of facets that meet.
-MEETS = 0.3
+#: Greatest cosine between normals of facets that meet; above `OPPOSED` they meet less readily than
+#: others: at an edge a face meets the other face that it lies on, not the one beside it. Weight of
+#: the square of what is above, over that of a distance of a cell.
+MEETS, OPPOSED, ASKEW = 0.3, -0.5, 4.0
 
 #: Weight of the distance along a facet, so that one of several in a plane is next to a point.
 _ALONG = 1e-6
@@ -30,31 +32,35 @@ _NEWTON, _EXACT = 12, 1e-13
 
 
 @inner_kernel
-def _square(D, surface, x, facing, f):
-    """Square of the distance of a point from facet `f`; inf from one that faces the same way."""
+def reluctance(same, cell):
+    """Square of a length by which facets are farther from each other, by the cosine of normals."""
+    return inf if same > MEETS else ASKEW * (max(0.0, same - OPPOSED) * cell) ** 2
+
+
+@inner_kernel
+def _square(D, surface, x, facing, cell, f):
+    """Square of the distance of a point from facet `f`, with the `reluctance` of both."""
     along, whole, same = 0.0, 0.0, 0.0
     for d in range(3):
         way, n = x[d] - surface.now[f, d], surface.turned[f, d]
         along += way * n
         whole += way * way
         same += facing[d] * n
-    if same > MEETS:
-        return inf
     beside = max(whole - along * along, 0.0)
     radius = 0.5 * surface.area[f] if D == 2 else _WIDE * 0.5642 * sqrt(surface.area[f])
     over = max(0.0, sqrt(beside) - radius) if D > 1 else 0.0
-    return along * along + over * over + _ALONG * beside
+    return along * along + over * over + _ALONG * beside + reluctance(same, cell)
 
 
 @inner_kernel
-def next_facet(D, surface, x, facing, f):
+def next_facet(D, surface, x, facing, cell, f):
     """Facet next to a point, from facet `f` on along neighbours."""
-    least = _square(D, surface, x, facing, f)
+    least = _square(D, surface, x, facing, cell, f)
     while True:
         best = f
         for k in range(surface.start[f], surface.start[f + 1]):
             other = surface.beside[k]
-            square = _square(D, surface, x, facing, other)
+            square = _square(D, surface, x, facing, cell, other)
             if square < least or (square == least and other < best):
                 least, best = square, other
         if best == f:
@@ -172,5 +178,7 @@ def find_gaps(frame, rigid_bodies, walls, surface, cells, u, F, every):
             for d in range(3):
                 near.normal[d] = -1.0 * side if d == axis else 0.0
             continue
-        near.other = next_facet(D, surface, surface.now[s], surface.turned[s], near.other)
+        near.other = next_facet(
+            D, surface, surface.now[s], surface.turned[s], frame.cell[0], near.other
+        )
         _find_gap(frame, rigid_bodies, surface, cells, u, F, near)

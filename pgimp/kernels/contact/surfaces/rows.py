@@ -1,8 +1,15 @@
 """Pairs of a patch and another body, and their rows of the coupling matrix.
 
-The velocity at a patch is the mean over its facets with weights W_k, where it touches:
+The gap G of a patch is a smooth least one of its facets' gaps g_k, the level s that solves
 
-    w = sum_k W_k sum_j N_j(X_k) v_j,   W_k ~ A_k max(0, 1 - (gap_k - least gap)/(a hundredth of h)).
+    sum_k A_k max(0, s - g_k)^2 = A d^2,   G = s - d,
+
+with the facets' areas A_k, the patch's area A and a small length d: of a flat patch the gap itself.
+Its derivatives are weights, W_k ~ A_k max(0, s - g_k), which add up to 1: the constraint G >= 0 acts
+by them, where the patch touches, and is a holonomic one, so that it takes and gives no energy. The
+velocity at the patch is the mean
+
+    w = sum_k W_k sum_j N_j(X_k) v_j.
 
 The other body has the same sum with the places Y_k of the same points in it. So an impulse acts at
 one place of space on both bodies: momentum and angular momentum are exact.
@@ -17,8 +24,11 @@ from pgimp.kernels.contact.surfaces.motion import hat
 from pgimp.kernels.rigid.bodies import arm_of
 from pgimp.physics.contact.base import TIED
 
-#: Cells over which the pressure of a patch fades with the gap, beyond the least gap.
-FADES = 0.01
+#: The length d in cells.
+FADES = 0.005
+
+#: Iterations for the level, at most, and the change over d that ends them.
+_NEWTON, _EXACT = 40, 1e-12
 
 #: Cells of gap above which a patch has no pair.
 NEAR = 0.25
@@ -28,13 +38,34 @@ PARTS = 1e-3
 
 
 @inner_kernel
-def _share(area, gap, least, width, tied):
+def _level(surface, every, first, last, least, width):
+    """Level of a patch above the least gap, by Newton's method from above."""
+    near, whole = inf, 0.0
+    for n in range(first, last):
+        area = surface.area[every[n].facet]
+        whole += area
+        if every[n].gap == least:
+            near = min(near, area)
+    s = least + width * sqrt(whole / near)
+    for _ in range(_NEWTON):
+        value, slope = -whole * width * width, 0.0
+        for n in range(first, last):
+            deep = max(0.0, s - every[n].gap)
+            area = surface.area[every[n].facet]
+            value += area * deep * deep
+            slope += 2.0 * area * deep
+        s -= value / slope
+        if not value > _EXACT * width * slope:
+            break
+    return s
+
+
+@inner_kernel
+def _share(area, gap, level, tied):
     """Weight of a facet in its patch."""
     if not gap < inf:
         return 0.0
-    if tied:
-        return area
-    return area * max(0.0, 1.0 - (gap - least) / width)
+    return area if tied else area * max(0.0, level - gap)
 
 
 @inner_kernel
@@ -74,21 +105,21 @@ def _set_pair(contact, surface, every, first, last, cell, dt, end, row, rigid):
         least = min(least, every[n].gap)
     if not least < NEAR * cell:
         return False
+    level = least if tied else _level(surface, every, first, last, least, FADES * cell)
     clear_pair(row)
     end.law = entry
     end.bodies[0], end.bodies[1] = (b, a) if swapped else (a, b)
     end.vertex[0], end.vertex[1], end.vertex[2] = 2 * surface.patch[every[first].facet], 0, 0
-    whole, gap, sign = 0.0, 0.0, 1.0 if swapped else -1.0
+    whole, gap, sign = 0.0, level - FADES * cell, 1.0 if swapped else -1.0
     for side in range(3):
         for d in range(3):
             rigid[side, d] = 0.0
     for n in range(first, last):
         s = every[n].facet
-        w = _share(surface.area[s], every[n].gap, least, FADES * cell, tied)
+        w = _share(surface.area[s], every[n].gap, level, tied)
         if w == 0.0:
             continue
         whole += w
-        gap += w * every[n].gap
         row.area += surface.area[s]
         for d in range(3):
             row.normal[d] += sign * w * every[n].normal[d]
@@ -99,7 +130,6 @@ def _set_pair(contact, surface, every, first, last, cell, dt, end, row, rigid):
     for d in range(3):
         row.normal[d] /= sqrt(square)
         rigid[2, d] /= whole
-    gap /= whole
     row.gap_rate = max(gap, -PARTS * cell) / dt
     normal, shear, reach = pairs.adhesion[entry - 1]
     if max(gap, 0.0) < reach:
@@ -107,7 +137,7 @@ def _set_pair(contact, surface, every, first, last, cell, dt, end, row, rigid):
     # Weights of the facets, for the rows.
     for n in range(first, last):
         s = every[n].facet
-        w = _share(surface.area[s], every[n].gap, least, FADES * cell, tied)
+        w = _share(surface.area[s], every[n].gap, level, tied)
         every[n].gap = w / whole
     return True
 
@@ -128,7 +158,9 @@ def _set_rigid_velocity(rigid_bodies, s, rigid, side):
 
 
 @kernel
-def find_patch_pairs(contact, frame, surface, cells, every, dt, scratch, contact_pairs, coupling):
+def find_patch_pairs(
+    contact, frame, surface, cells, every, dt, scratch, contact_pairs, coupling
+) -> tuple[int, int, int]:
     """Find the pairs of patches and other bodies, and their rows.
 
     Parameters

@@ -3,7 +3,7 @@
 from math import inf
 
 from pgimp.jit.kernel import inner_kernel, kernel
-from pgimp.kernels.contact.surfaces.gaps import MEETS
+from pgimp.kernels.contact.surfaces.gaps import reluctance
 
 
 @inner_kernel
@@ -65,7 +65,7 @@ def find_beside(x, body, key_of, bins, strides, radius, start, beside):
 
 
 @kernel
-def find_meeting(surface, clusters, meeting, reach, best, every):
+def find_meeting(surface, clusters, meeting, reach, every):
     """Find the facets that may soon meet another body; returns their number.
 
     Parameters
@@ -76,10 +76,8 @@ def find_meeting(surface, clusters, meeting, reach, best, every):
         First entry of each cluster, and the facets of each.
     meeting : (k, 3) int64
         Clusters that meet: the one whose facets look, the other body, its cluster; ascending.
-    reach : float
-        Greatest distance.
-    best : (n,) float64
-        Scratch: inf before and after.
+    reach : (float, float)
+        Greatest distance, and the side of a cell.
     every : (room,) NEAR_FACET
         Filled as far as there is room: facets, bodies, the nearest facet there.
     """
@@ -95,7 +93,7 @@ def find_meeting(surface, clusters, meeting, reach, best, every):
             last += 1
         own = meeting[k, 0]
         for n in range(first[own], first[own + 1]):
-            s, least, nearest = members[n], reach * reach, -1
+            s, least, nearest = members[n], inf, -1
             for other in range(k, last):
                 c = meeting[other, 2]
                 for m in range(first[c], first[c + 1]):
@@ -104,7 +102,10 @@ def find_meeting(surface, clusters, meeting, reach, best, every):
                     for d in range(3):
                         square += (surface.now[s, d] - surface.now[f, d]) ** 2
                         same += surface.turned[s, d] * surface.turned[f, d]
-                    if same <= MEETS and (square < least or (square == least and f < nearest)):
+                    if square > reach[0] * reach[0]:
+                        continue
+                    square += reluctance(same, reach[1])
+                    if square < least or (square == least < inf and f < nearest):
                         least, nearest = square, f
             if nearest < 0:
                 continue

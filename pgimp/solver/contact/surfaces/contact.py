@@ -261,13 +261,13 @@ class SurfaceContact(LagrangianContact):
             move_facets, frame, self.rigid_bodies, surface, near.cells, u, near.facets, self._F
         )
         walls = near.meeting[:, 1] >= self._walls.first
-        best = np.zeros(0)
         every, found = grown(
             2 * len(near.facets) + 16,
             no_facets,
             lambda room: call(
                 find_meeting, surface, (table.first, table.members),
-                np.ascontiguousarray(near.meeting[~walls]), REACH * max(frame.cell), best, room,
+                np.ascontiguousarray(near.meeting[~walls]),
+                (REACH * max(frame.cell), frame.cell[0]), room,
             ),
         )  # fmt: skip
         parts = [every[:found]]
