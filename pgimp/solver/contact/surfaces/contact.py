@@ -75,7 +75,8 @@ class SurfaceContact(LagrangianContact):
         self._near: Near | None = None
         self._candidates = no_facets(0)
         self._pause, self._moved = 0, 0.0
-        self._before = np.empty((0, 3))
+        self._before = np.empty((0, 3))  # displacements of all surface vertices at the last search
+        self._restored = np.empty(0)
         self._records = np.empty(0, np.int64)
         self._window: object = None
         self._root = 0
@@ -83,7 +84,30 @@ class SurfaceContact(LagrangianContact):
 
     def moved(self) -> None:
         """See `NoContact.moved`: vertices have changed ranks, perhaps."""
-        self._pause, self._window = 0, None
+        self._window = None
+
+    @property
+    def search(self) -> np.ndarray:
+        """See `NoContact.search`.
+
+        When bodies were looked for last, and from where each facet goes on to the next one of
+        another body: in a concave corner that may depend on where it began.
+        """
+        if self._near is None or self.comm.rank != self._root:
+            return np.empty(0)
+        meeting, some = self._near.meeting, self._candidates
+        return np.concatenate(
+            [
+                [self._pause, self._moved, len(self._before), len(meeting), len(some)],
+                self._before.reshape(-1),
+                meeting.reshape(-1),
+                *(some[name] for name in ("facet", "body", "other")),
+            ]
+        )
+
+    def restore_search(self, search: np.ndarray) -> None:
+        """See `NoContact.restore_search`."""
+        self._restored = search
 
     def exchange(self, rank: RankState, update: VertexUpdate) -> None:
         """See `NoContact.exchange`."""
@@ -98,6 +122,10 @@ class SurfaceContact(LagrangianContact):
         rate = max(self.scene.interaction.rigid_bodies.rate, free.rate if free else 0.0)
         self._moved += rate * t.dt
         table = self._known(rank)
+        if len(self._restored):
+            self._continue(rank, table)
+        if self._window is not rank.grid.window:
+            self._place(rank, table)
         if self._pause <= 0:
             self._search(rank, table, rate * t.dt)
         self._pause -= 1
@@ -114,18 +142,47 @@ class SurfaceContact(LagrangianContact):
         slaves = rank.slaves.keys if rank.slaves else None
         if self._table is None or self._slaves is not slaves:
             self._table, self._slaves = table_of(rank, self.fields), slaves
-            self._pause, self._window = 0, None
+            self._pause, self._window, self._near = 0, None, None
         return self._table
+
+    def _continue(self, rank: RankState, table: Table) -> None:
+        """Take over the state of a checkpoint, if it is of these surfaces."""
+        search, self._restored = self._restored, np.empty(0)
+        vertices, k, n = search[2:5].astype(np.int64).tolist()
+        if vertices != len(table.keys) or len(search) != 5 + 3 * (vertices + k + n):
+            return
+        before, meeting, some = np.split(search[5:], [3 * vertices, 3 * (vertices + k)])
+        self._pause, self._moved = int(search[0]), float(search[1])
+        self._before = before.reshape(-1, 3)
+        self._candidates = no_facets(n)
+        for name, values in zip(("facet", "body", "other"), some.reshape(3, -1), strict=True):
+            self._candidates[name] = values
+        self._find_root(rank)
+        self._place(rank, table, np.ascontiguousarray(meeting.reshape(-1, 3).astype(np.int64)))
+
+    def _place(self, rank: RankState, table: Table, meeting: np.ndarray | None = None) -> None:
+        """Find the records of vertices, and where each is known, on other ranks; collective."""
+        self._window, before = rank.grid.window, self._root
+        self._records = records_of(rank, table.numbers)
+        if meeting is None and self._near is not None:
+            meeting = self._near.meeting
+            self._find_root(rank)
+            if self._root != before:
+                self._candidates = self.comm.bcast(self._candidates, before)
+        if meeting is not None:
+            self._near = self._select(rank, table, meeting)
+
+    def _find_root(self, rank: RankState) -> None:
+        """Find the rank that solves, the one with the first layer; collective."""
+        comm, slab = self.comm, rank.grid.slab
+        first = slab.layers and slab.lower is None
+        self._root = -int(greatest(comm, -comm.rank if first else -comm.size))
 
     def _search(self, rank: RankState, table: Table, rigid_travel: float) -> None:
         """Find the clusters that may meet, and the steps for which that holds; collective."""
         grid, comm, D = rank.grid, self.comm, self.scene.dimension
         frame = self.scene.domain.frame
         values = grid.kept.values.reshape(-1, RECORD)
-        if self._window is not grid.window:
-            self._window, self._before = grid.window, np.empty((0, 3))
-            self._records = records_of(rank, table.numbers)
-            self._near = None
         own = self._records >= 0
         motion = values[self._records[own]]
         u = motion[:, DISPLACEMENT : DISPLACEMENT + 3]
@@ -133,21 +190,31 @@ class SurfaceContact(LagrangianContact):
         speed = np.abs(motion[:, KEPT_VELOCITY : KEPT_VELOCITY + D]) * inverse
         travel = float(speed.max(initial=0.0)) * self._dt
         moved = np.inf
-        if self._near is not None and len(self._before) == len(u):
-            moved = float((np.abs(u - self._before)[:, :D] * inverse).max(initial=0.0))
+        if self._near is not None:
+            moved = float((np.abs(u - self._before[own])[:, :D] * inverse).max(initial=0.0))
         moved = max(greatest(comm, moved), self._moved)
         travel = max(greatest(comm, travel), rigid_travel)
         left = TRAVEL - moved
         if self._near is not None and left > 4.0 * travel:
             self._pause = LONGEST if LONGEST * travel <= left else int(left / travel)
             return
-        self._before, self._moved = u.copy(), 0.0
+        self._before, self._moved = self._everywhere(own, u), 0.0
         self._pause = max(1, min(LONGEST, int(TRAVEL / travel) if travel > 0.0 else LONGEST))
-        first_layer = grid.slab.layers and grid.slab.lower is None
-        self._root = -int(greatest(comm, -comm.rank if first_layer else -comm.size))
+        self._find_root(rank)
         low, high = self._boxes(table, own, u)
         self._near = self._select(rank, table, self._meeting(table, low, high))
         self._find_candidates(rank, table, self._near)
+
+    def _everywhere(self, own: np.ndarray, u: np.ndarray) -> np.ndarray:
+        """Displacements of all surface vertices, given the rank's own; collective."""
+        found = np.zeros((len(own), 3))
+        found[own] = u
+        if self.comm.size == 1:
+            return found
+        numbers = np.flatnonzero(own)
+        for some, values in self.comm.allgather((numbers, u)):
+            found[some] = values
+        return found
 
     def _boxes(
         self, table: Table, own: np.ndarray, u: np.ndarray

@@ -53,10 +53,13 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     D, cell = scene.dimension, np.array(frame.cell)
     origin = np.array(frame.origin)
     every = [*_bodies(scene), *_rigid_bodies(scene)]
+    gone = [scene.body_names.index(name) for name in scene.case.staged.removed]
+    here = [number for number in range(len(every)) if number not in gone]
     found = [
-        facets_of(body, origin, cell, scene.interaction.loads.surfaces.closed) for body in every
+        facets_of(every[number], origin, cell, scene.interaction.loads.surfaces.closed)
+        for number in here
     ]
-    body = np.repeat(np.arange(len(found)), [len(each.x) for each in found])
+    body = np.repeat(here, [len(each.x) for each in found])
     facets = Facets.joined(found)
     soft = body < len(scene.body_names)
     cells, of, numbers = _cells(rank, facets, body, soft, fields)
