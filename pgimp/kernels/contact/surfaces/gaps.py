@@ -24,11 +24,12 @@ _WIDE = 1.25
 #: Cells by which a point may lie beside a facet's part of a box, and the same over its distance.
 _BESIDE, _BESIDE_DISTANCE = 1e-3, 0.5
 
-#: Depth in cells beyond which a point is not in a surface, but in what is behind.
+#: Depth in cells beyond which a point is not in a surface, but in what is behind, and the greatest
+#: distance from a facet. Farther away the cell's displacements, extrapolated, may fold.
 DEEPEST = 0.5
 
-#: Iterations for the place in a cell, at most, and the error in cells that ends them.
-_NEWTON, _EXACT = 12, 1e-13
+#: Iterations for the place in a cell, at most, the error in cells that ends them, and the greatest.
+_NEWTON, _EXACT, _CLOSE = 12, 1e-13, 1e-10
 
 
 @inner_kernel
@@ -70,8 +71,11 @@ def next_facet(D, surface, x, facing, cell, f):
 
 @inner_kernel
 def _solve_place(frame, cells, c, x, u, F, place):
-    """Set the place in a cell, or beyond, that is at a current position; starts from `place`."""
-    D = len(frame.cell)
+    """Set the place in a cell, or beyond, that is at a current position; starts from `place`.
+
+    Returns the last change, in cells.
+    """
+    D, most = len(frame.cell), inf
     for _ in range(_NEWTON):
         y = position_at(frame, cells, c, place, u)
         gradient_at(frame, cells, c, place, u, F)
@@ -89,6 +93,7 @@ def _solve_place(frame, cells, c, x, u, F, place):
             most = max(most, abs(s))
         if not most > _EXACT:
             break
+    return most
 
 
 @inner_kernel
@@ -117,13 +122,13 @@ def _find_gap(frame, rigid_bodies, surface, cells, u, F, near):
     """Set gap, place and normal of a facet's centroid at another body's surface."""
     D, s, f = len(frame.cell), near.facet, near.other
     x = (surface.now[s, 0], surface.now[s, 1], surface.now[s, 2])
-    c, length = surface.cell[f], 1.0
+    c, length, off = surface.cell[f], 1.0, 0.0
     if c < 0:
         _rigid_place(rigid_bodies, surface, x, near)
     else:
         for d in range(3):
             near.place[d] = surface.place[f, d]
-        _solve_place(frame, cells, c, x, u, F, near.place)
+        off = _solve_place(frame, cells, c, x, u, F, near.place)
         n, J = turned_normal(F, surface.normal[f]), 0.0
         for j in range(3):
             J += F[0, j] * _cofactor(F, 0, j)
@@ -140,6 +145,8 @@ def _find_gap(frame, rigid_bodies, surface, cells, u, F, near):
         y = _own(frame, cells, c, near, d) - phi * surface.normal[f, d]
         beside = max(beside, abs(y - surface.middle[f, d]) - surface.half[f, d])
     if beside > _BESIDE * least + _BESIDE_DISTANCE * abs(phi) or near.gap < -DEEPEST * least:
+        near.gap = inf
+    if not off <= _CLOSE or not near.gap < inf:
         near.gap = inf
 
 
@@ -178,7 +185,9 @@ def find_gaps(frame, rigid_bodies, walls, surface, cells, u, F, every):
             for d in range(3):
                 near.normal[d] = -1.0 * side if d == axis else 0.0
             continue
-        near.other = next_facet(
-            D, surface, surface.now[s], surface.turned[s], frame.cell[0], near.other
-        )
+        x, facing = surface.now[s], surface.turned[s]
+        f = near.other = next_facet(D, surface, x, facing, frame.cell[0], near.other)
+        if _square(D, surface, x, facing, frame.cell[0], f) > (DEEPEST * frame.cell[0]) ** 2:
+            near.gap = inf
+            continue
         _find_gap(frame, rigid_bodies, surface, cells, u, F, near)
