@@ -38,6 +38,11 @@ class Carried(NamedTuple):
     needed: frozenset[str] = frozenset()
 
     @property
+    def bearing(self) -> int:
+        """Number of products of inertia of a part of a loaded surface."""
+        return 1 if self.axial and self.products else self.products
+
+    @property
     def undeformed(self) -> tuple[float, ...]:
         """F of an undeformed particle."""
         return identity(self.dimensions, self.axial or self.plate)

@@ -213,7 +213,7 @@ class Particles(NamedTuple):
         FloatArray,
         Column(
             "means over its part of a cell of products of the distances from the part's centroid, "
-            "xy in 2D, yz xz xy xyz in 3D, at the start",
+            "xy in 2D, yz xz xy xyz in 3D, at the start; of rings see `VolumeFractions`",
             "length^2, length^3",
             lambda c: c.products,
         ),
@@ -223,7 +223,7 @@ class Particles(NamedTuple):
         Column(
             "likewise of its part of each loaded surface, about that part's centroid",
             "length^2, length^3",
-            lambda c: c.surfaces_loaded * c.products,
+            lambda c: c.surfaces_loaded * c.bearing,
         ),
     ]
 
