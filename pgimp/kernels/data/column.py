@@ -39,8 +39,9 @@ class Carried(NamedTuple):
 
     @property
     def bearing(self) -> int:
-        """Number of products of inertia of a part of a loaded surface."""
-        return 1 if self.axial and self.products else self.products
+        """Number of products of inertia of a part of a loaded surface, see `Particles.bearing`."""
+        products = 1 if self.axial and self.products else self.products
+        return products * (1 + self.dimensions)
 
     @property
     def undeformed(self) -> tuple[float, ...]:

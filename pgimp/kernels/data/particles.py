@@ -221,8 +221,10 @@ class Particles(NamedTuple):
     bearing: Annotated[
         FloatArray,
         Column(
-            "likewise of its part of each loaded surface, about that part's centroid",
-            "length^2, length^3",
+            "likewise of its part of each loaded surface, about that part's centroid; then along "
+            "each direction, integrals of the same products times the normal, less the means times "
+            "the area vector",
+            "length^2 to length^5",
             lambda c: c.surfaces_loaded * c.bearing,
         ),
     ]

@@ -280,13 +280,13 @@ def parts_of(body: LatticeBody, elements: Elements, x: Reals, ring: bool) -> tup
     -------
     parts : (n, width) float64
         Area, area vector, first moments.
-    products : (n, 0, 1 or 4) float64
-        Means of products of the distances from the part's centroid, see `PartParameters`.
+    products : (n, (1 + D) (0, 1 or 4)) float64
+        Products of inertia, see `pgimp.kernels.data.particles.Particles.bearing`.
     """
     n, D = x.shape
     found = np.zeros((n, 1 + D + D * D))
     if not n or not len(elements.box):
-        return found, np.zeros((n, PartParameters.products(D)))
+        return found, np.zeros((n, (1 + D) * PartParameters.products(D)))
     goes = carriers(body, elements)
     whole = _together(body, elements) if ring else elements.area
     shape = tuple(len(e) + 2 for e in body.edges)
@@ -324,7 +324,8 @@ def _products(
     For `rings` with the area vectors from `_together`.
     """
     n, D = x.shape
-    found = np.zeros((n, PartParameters.products(D)))
+    count = PartParameters.products(D)
+    found = np.zeros((n, (1 + D) * count))
     loaded = np.flatnonzero(parts[:, 0])
     vector = parts[:, 1 : 1 + D]
     moment = parts[:, 1 + D :].reshape(n, D, D)
@@ -332,20 +333,20 @@ def _products(
     centroid = x + (moment * vector[:, None]).sum(axis=2) / square[:, None]
     arm, area = elements.centroid - centroid[row], elements.area
     size = np.sqrt((area * area).sum(axis=1))
-    if rings is not None:  # straight strips, which weigh with their radius
-        r, (a, b), (p, q) = np.maximum(elements.centroid[:, 0], 0.0), arm.T, rings.T
-        product = r * a * b + (q * q * b - p * q * (r + a)) / 12.0
-        np.add.at(found[:, 0], row, 2.0 * np.pi * size * product)
-        found[loaded] /= parts[loaded, 0, None]
-        return found
     for column, axes in enumerate(MONOMIALS[D - 1][1 + D : 2**D]):
-        product = size * arm[:, axes].prod(axis=1)
-        if len(axes) == 2:  # an element is straight, or a flat one as wide as long
+        product = arm[:, axes].prod(axis=1)
+        if rings is not None:  # straight strips, which weigh with their radius
+            r, (a, b), (p, q) = np.maximum(elements.centroid[:, 0], 0.0), arm.T, rings.T
+            product = 2.0 * np.pi * (r * product + (q * q * b - p * q * (r + a)) / 12.0)
+        elif len(axes) == 2:  # an element is straight, or a flat one as wide as long
             i, j = axes
-            own = area[:, i] * area[:, j] / 12.0
-            product -= own * (size if D == 2 else 1.0)
-        np.add.at(found[:, column], row, product)
-    found[loaded] /= parts[loaded, 0, None]
+            product -= area[:, i] * area[:, j] / (12.0 * (1.0 if D == 2 else size))
+        np.add.at(found[:, column], row, size * product)
+        for d in range(D):
+            np.add.at(found[:, (1 + d) * count + column], row, area[:, d] * product)
+    found[loaded, :count] /= parts[loaded, 0, None]
+    for d in range(D):
+        found[:, (1 + d) * count : (2 + d) * count] -= found[:, :count] * vector[:, d, None]
     return found
 
 
