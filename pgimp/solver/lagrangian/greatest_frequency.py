@@ -87,7 +87,9 @@ def _near_particles(
         at[known[at[:, c]] != keys, c] = len(known)
         n = np.where(np.array(corner) == 1, x, 1.0 - x)
         if axial:
-            gradients[:, c, 2] = n.prod(axis=1) / p.origin[rows, 0]
+            off_axis = first[:, 0] + corner[0] > frame.ghost  # on it no ring is stretched
+            off_axis |= frame.origin[0] > 0.0
+            gradients[:, c, 2] = off_axis * n.prod(axis=1) / p.origin[rows, 0]
             n = np.where(np.array(corner) == 1, x + out, 1.0 - x - out)
         for d in range(len(h)):
             sign = (2 * corner[d] - 1) / h[d]
