@@ -13,6 +13,9 @@ from pgimp.solver.rank_state import RankState
 #: Vertices from a slave to its masters, at most, along each direction.
 REACH = 2
 
+#: What decides between cells that are as good; above rounding.
+_TIE = 1e-7
+
 #: Slaves that are looked at together.
 _BLOCK = 4096
 
@@ -139,8 +142,9 @@ def choose_masters(
     members = ((firsts[:, None] + corners + REACH) * digits).sum(axis=2)
     # Weights of a cell's vertices at a slave, which is -first cells from its lower corner.
     each = np.where(corners[None] == 1, -firsts[:, None], 1 + firsts[:, None]).prod(axis=2)
-    cost = np.abs(each).sum(axis=1).astype(float)
     middle = firsts + 0.5
+    # Of cells that are as good the same one on both sides of a plane of symmetry.
+    cost = np.abs(each).sum(axis=1) + _TIE * np.abs(middle) @ np.arange(1.0, 1.0 + D)
     middle /= np.sqrt((middle * middle).sum(axis=1))[:, None]
     steps = np.array([*product(range(-REACH, REACH + 1), repeat=D)])
     near = (np.abs(steps) <= 1).all(axis=1)
