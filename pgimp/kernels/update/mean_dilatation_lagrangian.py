@@ -57,8 +57,8 @@ from pgimp.kernels.transfer.transpose import (
 from pgimp.kernels.update.deformation import side, update_deformation, velocity_gradients
 from pgimp.kernels.update.mean_dilatation import section
 from pgimp.kernels.update.piola import BY_CELLS, kept_force, kept_hoop
-from pgimp.physics.shapes.base import by_parts
 from pgimp.kernels.update.plates import deform_plate
+from pgimp.physics.shapes.base import by_parts
 
 #: d-th root of the filled part of its cells from which a particle is not isolated.
 MIN_FILL = 0.4
