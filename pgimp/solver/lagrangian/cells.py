@@ -14,6 +14,7 @@ from pgimp.kernels.lagrangian.cells import Cells
 from pgimp.kernels.lagrangian.keep import beyond_bounds
 from pgimp.kernels.step.checks import INVERTED, NOT_FINITE, OUT_OF_RANGE, OUTSIDE
 from pgimp.scene.scene import Scene
+from pgimp.solver.lagrangian.masters import Vertices
 from pgimp.solver.lagrangian.pieces import runs
 from pgimp.solver.rank_state import RankState
 
@@ -50,6 +51,10 @@ def find_cells(rank: RankState) -> LatticeCells:
     """Find the cells of a rank's particles on the lattice, some layers after the other."""
     scene, population = rank.scene, rank.population
     p, order = population.columns, population.ordered
+    if not scene.by_cells:
+        none, every = Order(order.rows[:0], np.zeros_like(order.start)), order
+        outside = np.zeros(p.capacity, bool)
+        return LatticeCells(no_cells(scene, rank.slab.layers), none.rows, every, none, outside)
     fits = np.zeros(len(order.rows), bool)
     # At the end none, for a rank without particles.
     parts = [_find(rank, run, fits[run]) for run in (*runs(order.start), slice(0))]
@@ -103,6 +108,8 @@ def _find(
     fits &= ~p.patch[rows].any(axis=1)  # tractions are forces on particles
     fits &= ~p.surface[rows].any(axis=1)
     fits &= ~p.products[rows].any(axis=1)  # parts have weights of their own
+    if rank.mean_dilatation:
+        fits &= _in_whole_cells(rank, rows, fits)
     mine = np.flatnonzero(fits)
     offset = np.zeros(len(mine), np.int64)
     for d in range(1, D):
@@ -123,6 +130,19 @@ def _find(
     volumes = np.zeros(len(taken))
     taken[slot], volumes[slot] = rows[mine], p.V0[rows[mine]]
     return found, taken, volumes
+
+
+def _in_whole_cells(rank: RankState, rows: np.ndarray, fits: np.ndarray) -> np.ndarray:
+    """Whether all particles of a particle's cell are whole and fit, and share no dilatation."""
+    scene, population = rank.scene, rank.population
+    bodies, V0 = len(scene.body_names), population.columns.V0[rows]
+    most = int(np.prod(scene.case.method.particles_per_cell))
+    full = np.prod(scene.domain.frame.cell) / most
+    keys = Vertices.cells_under(rank, rows)
+    cells = keys * bodies + population.columns.body[rows]
+    _, of = np.unique(cells, return_inverse=True)
+    count = np.bincount(of, fits & (np.abs(V0 - full) < 1e-9 * full))
+    return (count[of] == most) & ~rank.mean_dilatation.shares(keys)
 
 
 def mark_corners(rank: RankState) -> np.ndarray:
@@ -198,7 +218,7 @@ def _cells(
     per_cell, D = scene.case.method.particles_per_cell, scene.dimension
     fractions = np.zeros((D, MAX_PER_CELL))
     for d, count in enumerate(per_cell):
-        fractions[d, :count] = (np.arange(count) + 0.5) / count
+        fractions[d, :count] = ((np.arange(count) + 0.5) / count)[:MAX_PER_CELL]
     distances = fractions / np.array(scene.domain.frame.inverse)[:, None]
     rows = np.full(slots if scene.cell_loads else 0, -1, np.int64)
     return Cells(
