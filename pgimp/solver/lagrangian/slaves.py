@@ -21,8 +21,13 @@ import numpy as np
 from pgimp.errors import CaseError
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_MASS, KEPT_VELOCITY
-from pgimp.kernels.data.record import FORCE, MASS, RECORD
-from pgimp.kernels.lagrangian.slaves import fold_vectors, spread_vectors
+from pgimp.kernels.data.record import FORCE, RECORD
+from pgimp.kernels.lagrangian.slaves import (
+    fold_vectors,
+    leave_to_masters,
+    spread_vectors,
+    take_vectors,
+)
 from pgimp.kernels.sums.sums import ANGULAR, KINETIC
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
@@ -34,14 +39,12 @@ from pgimp.solver.vertices import StepPart, VertexUpdate
 #: Part of a cell below which a vertex is a slave.
 LEAST = 0.05
 
-_FORCE = slice(FORCE, FORCE + 3)
-
 
 class Rows(NamedTuple):
     """Where a rank has the slaves and their masters, until its planes or its window change."""
 
-    #: slaves, own: (n,) int64: Number of each slave's record, -1 where the rank has none; whether
-    #: the rank owns it.
+    #: slaves, own: (n,) int64: Number of each slave's record, -1 where the rank has none; likewise
+    #: of those that it owns.
     slaves: np.ndarray
     own: np.ndarray
     masters: np.ndarray  #: (m,) int64: Likewise of all masters.
@@ -170,17 +173,13 @@ class Slaves(StepPart):
         """Add the forces on slaves to their masters'; see `StepPart.add_forces`."""
         if not needed(len(self.keys)):
             return
-        rows, G = self._located(rank), rank.grid.G.reshape(-1, RECORD)
-        kept = rank.grid.kept.values.reshape(-1, RECORD)
-        force = np.zeros((len(self.keys), 3))
-        force[rows.own] = G[rows.slaves[rows.own], _FORCE]
+        rows, grid = self._located(rank), rank.grid
+        force = np.empty((len(self.keys), 3))
+        rank.call(take_vectors, grid.G, FORCE, rows.own, force)
         self._exchange(force, rows, 0)
         to = self.of, self.weights, rows.masters
-        rank.call(fold_vectors, rank.grid.G, FORCE, force, *to)
-        here = rows.slaves[rows.slaves >= 0]
-        G[here, _FORCE] = 0.0
-        for each in (here, rows.masters[rows.masters >= 0]):
-            G[each, MASS] = kept[each, KEPT_MASS]
+        rank.call(fold_vectors, grid.G, FORCE, force, *to)
+        rank.call(leave_to_masters, grid.G, grid.kept.values, rows.slaves, rows.masters)
 
     def spread(self, rank: RankState, values: np.ndarray, first: int) -> None:
         """Set vectors at slaves to what their masters' give; collective.
@@ -195,9 +194,8 @@ class Slaves(StepPart):
         if not needed(len(self.keys)):
             return
         rows = self._located(rank)
-        known = np.zeros((len(self.masters), 3))
-        there = rows.masters >= 0
-        known[there] = values.reshape(-1, RECORD)[rows.masters[there], first : first + 3]
+        known = np.empty((len(self.masters), 3))
+        rank.call(take_vectors, values, first, rows.masters, known)
         self._exchange(known, rows, 1)
         rank.call(spread_vectors, values, first, known, self.of, self.weights, rows.slaves)
 
@@ -276,7 +274,7 @@ class Slaves(StepPart):
         counts = np.array(self.comm.allgather([len(each) for each in have])).T
         layers = np.minimum(n[changed], max(slab.layers - 1, 0))
         self._rows = Rows(
-            slaves, own, masters, (near[0], near[1]), (have[0], have[1]), counts,
+            slaves, np.where(own, slaves, -1), masters, (near[0], near[1]), (have[0], have[1]), counts,
             changed, changes[changed], layers,
         )  # fmt: skip
         return self._rows
