@@ -274,8 +274,8 @@ class Slaves(StepPart):
         counts = np.array(self.comm.allgather([len(each) for each in have])).T
         layers = np.minimum(n[changed], max(slab.layers - 1, 0))
         self._rows = Rows(
-            slaves, np.where(own, slaves, -1), masters, (near[0], near[1]), (have[0], have[1]), counts,
-            changed, changes[changed], layers,
+            slaves, np.where(own, slaves, -1), masters, (near[0], near[1]), (have[0], have[1]),
+            counts, changed, changes[changed], layers,
         )  # fmt: skip
         return self._rows
 
