@@ -272,6 +272,7 @@ def held_block(D):
 def after_steps(case):
     """A simulation after 20 steps."""
     sim = start(case)
+    sim.diagnostics()
     for _ in range(20):
         sim.advance()
     return sim
