@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from pgimp.decomposition.grid import aligned
+from pgimp.jit.rehearsal import needed
+from pgimp.kernels.contact.lagrangian.reference_grid import add_accelerations
 from pgimp.kernels.data.arguments import Field
 from pgimp.kernels.grid.image_values import copy_accelerations
 from pgimp.kernels.grid.mirror import fold_forces
@@ -28,6 +30,9 @@ class AveragedMass(StepPart):
 
     While a run comes to rest the lumped mass is enough.
 
+    Contact acts later in a step. Accelerations have that of its last step: what rests on another
+    body stays in equilibrium, and a wave meets the mass that it should.
+
     Attributes
     ----------
     alpha : (bodies,) float64
@@ -39,6 +44,9 @@ class AveragedMass(StepPart):
         self._known: Field | None = None
         self._rows: MassRows | None = None
         self._accelerations = self._buffer = np.empty(0)
+        #: keys, pushed: (m,) int64, (m, 3) float64: What contact added to accelerations of vertices
+        #: in the last step.
+        self._keys, self._pushed = np.empty(0, np.int64), np.empty((0, 3))
 
     @property
     def lumped(self) -> np.ndarray:
@@ -57,6 +65,7 @@ class AveragedMass(StepPart):
             self._accelerations = aligned((grid.planes + 2 * reach) * half)
             self._buffer = aligned(half)
         forcing, A, rows = update.forcing, self._accelerations, self._rows
+        pressed = rank.contact.bears and needed(len(self._keys))
         scratch, every = np.empty((len(domain.faces), 3)), (0, grid.planes)
         if rank.grips and rank.grips.acts:  # they move by the accelerations of what they hold
             free = frame, field, update.faces, forcing, scratch, A, reach
@@ -66,7 +75,7 @@ class AveragedMass(StepPart):
         setting = frame, field, update.faces, forcing, scratch, A, reach
         mirrors = *domain.absorbing_mirrors, *domain.mirrors
         images = *domain.seams, *sorted(mirrors, key=lambda each: each.releases)  # as sums fold
-        if not (images or rank.slab.neighbours):
+        if not (images or rank.slab.neighbours or pressed):
             # In pieces, whose forces are still in the cache; accelerations are ahead.
             size, ahead = max(1, _CACHED // half), 0
             for first in range(0, grid.planes, size):
@@ -76,12 +85,31 @@ class AveragedMass(StepPart):
                 rank.call(average_forces, field, A, reach, rows, (first, last), self._buffer)
             return
         rank.call(find_accelerations, *setting, every)
+        if pressed:
+            rank.call(add_accelerations, frame, field, self._keys, self._pushed, A, reach)
         for each in reversed(images):
             rank.call(copy_accelerations, frame, field, each, A, reach)
         self._exchange(rank, reach)
         rank.call(average_forces, field, A, reach, rows, every, self._buffer)
         for each in images:
             rank.call(fold_forces, frame, field, each, forcing.dt, update.ledger)
+
+    def book(self, rank: RankState, update: VertexUpdate) -> None:
+        """Keep what contact has added to accelerations."""
+        self._keys, self._pushed = self._keys[:0], self._pushed[:0]
+        if changes := rank.contact.changes:
+            moved = changes.velocities.any(axis=1)
+            self._keys, self._pushed = changes.keys[moved], changes.velocities[moved] / update.t.dt
+
+    @property
+    def state(self) -> np.ndarray:
+        """What contact added in the last step, for checkpoints: (m, 4) float64."""
+        return np.concatenate([self._keys[:, None].view(np.float64), self._pushed], axis=1)
+
+    def restore(self, state: np.ndarray) -> None:
+        """Continue with the `state` of a checkpoint."""
+        self._keys = np.ascontiguousarray(state[:, 0]).view(np.int64)
+        self._pushed = np.ascontiguousarray(state[:, 1:])
 
     def _exchange(self, rank: RankState, reach: int) -> None:
         """Get the accelerations of planes that only the neighbours have; collective."""
