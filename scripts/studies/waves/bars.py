@@ -79,3 +79,10 @@ def front(mass):
         i = np.flatnonzero(v > level)[-1] if level > 0.5 else np.flatnonzero(v < level)[0] - 1
         ends.append(x[i] + (v[i] - level) / (v[i] - v[i + 1]))
     return ends[1] - ends[0], v.max() - 1.0
+
+
+def front_rows():
+    """Rows of the table of fronts."""
+    for mass in ("lumped", "averaged"):
+        width, over = front(mass)
+        yield [mass, f"{width:.1f}", f"{100.0 * over:.0f} %"]

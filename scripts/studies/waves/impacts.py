@@ -28,13 +28,25 @@ def _run(bars, cells, mass, courant, gap):
     return p, energy[1] / energy[0]
 
 
-def rebound(cells, mass, courant=0.3, along=0.0):
-    """Restitution of two equal bars that move together with a speed `along`, besides; energy."""
-    (a, b), energy = _run([along + 1.0, along - 1.0], cells, mass, courant, 0.37)
+def rebound(cells, mass, courant=0.3):
+    """Restitution of two equal bars, and what is left of their energy."""
+    (a, b), energy = _run([1.0, -1.0], cells, mass, courant, 0.37)
     return 0.5 * (b - a), energy
 
 
-def cradle(mass, cells=40, bars=5, gap=0.0, courant=0.3):
-    """Speed of the last of some bars in touch, of which the first hits the others."""
-    p, energy = _run([1.0, *[0.0] * (bars - 1)], cells, mass, courant, gap)
+def cradle(cells, mass, courant=0.3, bars=5):
+    """Speed of the last of some bars, half a cell apart, of which the first hits the others."""
+    p, energy = _run([1.0, *[0.0] * (bars - 1)], cells, mass, courant, 0.5)
     return p[-1], energy
+
+
+def rows():
+    """Rows of the table: part of the speed that is left, with lumped and with averaged mass."""
+    for words, function, size in (
+        *((f"two bars of {cells} cells", rebound, cells) for cells in (20, 40, 80)),
+        ("the last of five bars of 40 cells", cradle, 40),
+    ):
+        for courant in (0.3, "auto"):
+            found = [function(size, mass, courant) for mass in ("lumped", "averaged")]
+            yield [words, f"`{courant}`", *(f"{speed:.4f}" for speed, _ in found),
+                   *(f"{100.0 * (1.0 - energy):.1f} %" for _, energy in found)]  # fmt: skip

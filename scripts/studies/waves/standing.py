@@ -111,5 +111,4 @@ def rows():
         for size in sizes:
             errors = [[function(mass, size, cut) for cut in CUTS] for mass in ("lumped", "averaged")]
             yield [words.format(size),
-                   *(f"{100.0 * np.sqrt(np.mean(np.square(each))):.2g} %" for each in errors)]
-            print(size, errors)
+                   *(f"{100.0 * np.sqrt(np.mean(np.square(each))):.2g} %" for each in errors)]  # fmt: skip
