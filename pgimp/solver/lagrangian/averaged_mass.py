@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from pgimp.decomposition.grid import aligned
+from pgimp.jit.rehearsal import needed
+from pgimp.kernels.contact.lagrangian.reference_grid import add_accelerations
 from pgimp.kernels.data.arguments import Field
 from pgimp.kernels.grid.image_values import copy_accelerations
 from pgimp.kernels.grid.mirror import fold_forces
@@ -31,6 +33,9 @@ class AveragedMass(StepPart):
 
     While a run comes to rest the lumped mass is enough.
 
+    Contact acts later in a step. Accelerations have that of its last step: what rests on another
+    body stays in equilibrium, and a wave meets the mass that it should.
+
     Attributes
     ----------
     alpha : (bodies,) float64
@@ -47,6 +52,9 @@ class AveragedMass(StepPart):
         self._arguments: tuple[Any, ...] = ()
         self._known_below = 0
         self._left = False
+        #: keys, pushed: (m,) int64, (m, 3) float64: What contact added to accelerations of vertices
+        #: in the last step.
+        self._keys, self._pushed = np.empty(0, np.int64), np.empty((0, 3))
 
     @property
     def lumped(self) -> np.ndarray:
@@ -68,6 +76,7 @@ class AveragedMass(StepPart):
         setting = frame, field, update.faces
         rest = np.empty((len(domain.faces), 3)), A, reach, self._rows
         every = (0, grid.planes), (0, 0), self._buffer
+        pressed = rank.contact.bears and needed(len(self._keys))
         if rank.grips and rank.grips.acts:  # they move by the accelerations of what they hold
             rank.call(average_forces, *setting, forcing, *rest, *every)
             constraints = rank.grips.forecast(rank, update, A, reach)
@@ -75,9 +84,11 @@ class AveragedMass(StepPart):
         self._arguments, self._known_below = (*setting, forcing, *rest), 0
         mirrors = *domain.absorbing_mirrors, *domain.mirrors
         images = *domain.seams, *sorted(mirrors, key=lambda each: each.releases)  # as sums fold
-        if images or rank.slab.neighbours:
+        if images or rank.slab.neighbours or pressed:
             rank.call(average_forces, *self._arguments, *every)
             self._known_below = grid.planes
+            if pressed:
+                rank.call(add_accelerations, frame, field, self._keys, self._pushed, A, reach)
             for each in reversed(images):
                 rank.call(copy_accelerations, frame, field, each, A, reach)
             self._exchange(rank, reach)
@@ -112,6 +123,23 @@ class AveragedMass(StepPart):
         found = self._known_below, max(self._known_below, until)
         rank.call(average_forces, *self._arguments, found, (first, last), self._buffer)
         self._known_below = found[1]
+
+    def book(self, rank: RankState, update: VertexUpdate) -> None:
+        """Keep what contact has added to accelerations."""
+        self._keys, self._pushed = self._keys[:0], self._pushed[:0]
+        if changes := rank.contact.changes:
+            moved = changes.velocities.any(axis=1)
+            self._keys, self._pushed = changes.keys[moved], changes.velocities[moved] / update.t.dt
+
+    @property
+    def state(self) -> np.ndarray:
+        """What contact added in the last step, for checkpoints: (m, 4) float64."""
+        return np.concatenate([self._keys[:, None].view(np.float64), self._pushed], axis=1)
+
+    def restore(self, state: np.ndarray) -> None:
+        """Continue with the `state` of a checkpoint."""
+        self._keys = np.ascontiguousarray(state[:, 0]).view(np.int64)
+        self._pushed = np.ascontiguousarray(state[:, 1:])
 
     def _exchange(self, rank: RankState, reach: int) -> None:
         """Get the accelerations of planes that only the neighbours have; collective."""
