@@ -4,6 +4,8 @@ from math import inf
 
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.contact.surfaces.gaps import reluctance
+from pgimp.kernels.data.motion import DISPLACEMENT
+from pgimp.kernels.data.record import RECORD
 
 
 @inner_kernel
@@ -65,7 +67,37 @@ def find_beside(x, body, key_of, bins, strides, radius, start, beside):
 
 
 @kernel
-def find_meeting(surface, clusters, meeting, reach, every):
+def bound_clusters(frame, numbers, records, motion, clusters, ends):
+    """Set the least coordinates of clusters, and the least of the reversed ones, of own vertices.
+
+    Parameters
+    ----------
+    numbers : (v, 4) int64
+        Numbers of the surface vertices along x, y, z, and their fields.
+    records : (v,) int64
+        Numbers of their records; -1 of other ranks' ones.
+    motion : VertexMotion
+        With their displacements.
+    clusters : ((k,) int64, (k,) int64)
+        Clusters, and the vertices of their cells.
+    ends : (2, clusters, D) float64
+        inf before.
+    """
+    owner, corner = clusters
+    for k in range(len(owner)):
+        v, c = corner[k], owner[k]
+        r = records[v]
+        if r < 0:
+            continue
+        for d in range(len(frame.cell)):
+            x = frame.origin[d] + (numbers[v, d] - frame.ghost) * frame.cell[d]
+            x += motion.values[r * RECORD + DISPLACEMENT + d]
+            ends[0, c, d] = min(ends[0, c, d], x)
+            ends[1, c, d] = min(ends[1, c, d], -x)
+
+
+@kernel
+def find_meeting(surface, clusters, meeting, reach, marks, every):
     """Find the facets that may soon meet another body; returns their number.
 
     Parameters
@@ -78,6 +110,8 @@ def find_meeting(surface, clusters, meeting, reach, every):
         Clusters that meet: the one whose facets look, the other body, its cluster; ascending.
     reach : (float, float)
         Greatest distance, and the side of a cell.
+    marks : (n,) uint8
+        Set to 1 for all facets within reach of each other.
     every : (room,) NEAR_FACET
         Filled as far as there is room: facets, bodies, the nearest facet there.
     """
@@ -104,6 +138,7 @@ def find_meeting(surface, clusters, meeting, reach, every):
                         same += surface.turned[s, d] * surface.turned[f, d]
                     if square > reach[0] * reach[0]:
                         continue
+                    marks[f] = marks[s] = 1
                     square += reluctance(same, reach[1])
                     if square < least or (square == least < inf and f < nearest):
                         least, nearest = square, f

@@ -11,23 +11,20 @@ import numpy as np
 
 from pgimp.geometry.sweep import close_pairs
 from pgimp.jit.rehearsal import needed
-from pgimp.kernels.contact.lagrangian.books import book_contacts, book_held
+from pgimp.kernels.contact.lagrangian.books import book_held
 from pgimp.kernels.contact.lagrangian.coupling import Coupling
-from pgimp.kernels.contact.lagrangian.gauss_seidel import IMPULSES, solve_impulses
 from pgimp.kernels.contact.lagrangian.pairs import ContactPairs
 from pgimp.kernels.contact.lagrangian.reference_grid import (
     REFERENCE_VERTEX,
-    Changes,
     ReferenceVertices,
     change_velocities,
     read_reference_vertices,
 )
-from pgimp.kernels.contact.lagrangian.rows import Solved, begin_solution, find_changes
 from pgimp.kernels.contact.surfaces.data import SurfaceCells, no_facets
 from pgimp.kernels.contact.surfaces.gaps import find_gaps
 from pgimp.kernels.contact.surfaces.motion import move_facets
 from pgimp.kernels.contact.surfaces.rows import find_patch_pairs
-from pgimp.kernels.contact.surfaces.search import find_meeting
+from pgimp.kernels.contact.surfaces.search import bound_clusters, find_meeting
 from pgimp.kernels.data.ledger import CONTACT_AREA
 from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_VELOCITY
 from pgimp.kernels.data.record import RECORD
@@ -79,7 +76,8 @@ class SurfaceContact(LagrangianContact):
         self._records = np.empty(0, np.int64)
         self._window: object = None
         self._root = 0
-        self._F = np.zeros((3, 3))
+        self._facets = np.empty(0, np.int64)
+        self._scratch = np.zeros((3, 3)), np.zeros((2**scene.dimension, 3))
 
     def moved(self) -> None:
         """See `NoContact.moved`: vertices have changed ranks, perhaps."""
@@ -145,24 +143,19 @@ class SurfaceContact(LagrangianContact):
         self._pause = max(1, min(LONGEST, int(TRAVEL / travel) if travel > 0.0 else LONGEST))
         first_layer = grid.slab.layers and grid.slab.lower is None
         self._root = -int(greatest(comm, -comm.rank if first_layer else -comm.size))
-        low, high = self._boxes(table, own, u)
+        low, high = self._boxes(rank, table)
         self._near = self._select(rank, table, self._meeting(table, low, high))
         self._find_candidates(rank, table, self._near)
 
-    def _boxes(
-        self, table: Table, own: np.ndarray, u: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def _boxes(self, rank: RankState, table: Table) -> tuple[np.ndarray, np.ndarray]:
         """Least and greatest coordinates of the clusters; collective."""
         frame, D = self.scene.domain.frame, self.scene.dimension
-        cell = np.array(frame.cell)
-        x = np.full((len(own), D), np.nan)
-        x[own] = np.array(frame.origin) + (table.numbers[own, :D] - frame.ghost) * cell
-        x[own] += u[:, :D]
+        cell, motion = np.array(frame.cell), rank.grid.kept
         ends = np.full((2, len(table.body), D), np.inf)
-        mine = own[table.corner]
-        here, there = table.owner[mine], x[table.corner[mine]]
-        np.minimum.at(ends[0], here, there)
-        np.minimum.at(ends[1], here, -there)
+        self.call(
+            bound_clusters, frame, table.numbers, self._records, motion,
+            (table.owner, table.corner), ends,
+        )  # fmt: skip
         ends = _least(self.comm, ends)
         low, high = ends[0] - 0.1 * cell, -ends[1] + 0.1 * cell
         rigid = self.rigid_bodies
@@ -178,10 +171,11 @@ class SurfaceContact(LagrangianContact):
 
     def _meeting(self, table: Table, low: np.ndarray, high: np.ndarray) -> np.ndarray:
         """Clusters that may meet, see `find_meeting`."""
-        scene, frame, pairs = self.scene, self.scene.domain.frame, self.pairs
+        frame, pairs = self.scene.domain.frame, self.pairs
         cell = np.array(frame.cell)
-        close = close_pairs(low, high, REACH * cell)
-        a, b = close.T
+        some = self._beside(table.body, low, high, REACH * cell)
+        close = close_pairs(low[some], high[some], REACH * cell)
+        a, b = some[close].T
         met = (low[a] <= high[b] + REACH * cell).all(axis=1)
         met &= (low[b] <= high[a] + REACH * cell).all(axis=1)
         a, b = a[met], b[met]
@@ -198,11 +192,28 @@ class SurfaceContact(LagrangianContact):
             at = frame.origin[axis] + (place - frame.ghost) * cell[axis]
             end = (high if side > 0 else low)[soft_clusters, axis]
             some = soft_clusters[side * (at - end) < REACH * cell[axis]]
-            found.append(
-                np.column_stack([some, np.full(len(some), self._walls.first + w), some])
-            )
+            found.append(np.column_stack([some, np.full(len(some), self._walls.first + w), some]))
         every = np.concatenate(found)
         return np.ascontiguousarray(every[np.lexsort(every.T[::-1])])
+
+    def _beside(
+        self, body: np.ndarray, low: np.ndarray, high: np.ndarray, reach: np.ndarray
+    ) -> np.ndarray:
+        """Clusters that are near the box of another body on which theirs acts."""
+        bodies, first = np.unique(body, return_index=True)
+        least = np.minimum.reduceat(low, first) if len(first) else low
+        most = np.maximum.reduceat(high, first) if len(first) else high
+        found = np.zeros(len(body), bool)
+        ends = np.append(first, len(body))
+        for a, b in close_pairs(least, most, reach).tolist():
+            one, other = int(bodies[a]), int(bodies[b])
+            if one >= self.bodies or self.pairs.entry[one, other] == 0:
+                continue
+            for own, its in ((a, b), (b, a)):
+                mine = slice(ends[own], ends[own + 1])
+                near = (low[mine] <= most[its] + reach).all(axis=1)
+                found[mine] |= near & (least[its] <= high[mine] + reach).all(axis=1)
+        return np.flatnonzero(found)
 
     def _select(self, rank: RankState, table: Table, meeting: np.ndarray) -> Near:
         """The facets, cells and vertices of clusters that may meet; collective."""
@@ -253,32 +264,35 @@ class SurfaceContact(LagrangianContact):
     def _find_candidates(self, rank: RankState, table: Table, near: Near) -> None:
         """Find facets near another body on the root, with the nearest facet there; collective."""
         u, surface, call = self._displacements(rank, near), table.surface, self.call
+        self._candidates, self._facets = no_facets(0), np.empty(0, np.int64)
         if u is None or not needed(len(near.meeting)):
-            self._candidates = no_facets(0)
             return
-        frame = self.scene.domain.frame
-        call(
-            move_facets, frame, self.rigid_bodies, surface, near.cells, u, near.facets, self._F
-        )
+        frame, rigid = self.scene.domain.frame, self.rigid_bodies
+        call(move_facets, frame, rigid, surface, near.cells, u, near.facets, self._scratch)
         walls = near.meeting[:, 1] >= self._walls.first
+        marks = np.zeros(len(surface.x), np.uint8)
+        meeting = np.ascontiguousarray(near.meeting[~walls])
+        clusters, reach = (table.first, table.members), (REACH * max(frame.cell), frame.cell[0])
         every, found = grown(
             2 * len(near.facets) + 16,
             no_facets,
-            lambda room: call(
-                find_meeting, surface, (table.first, table.members),
-                np.ascontiguousarray(near.meeting[~walls]),
-                (REACH * max(frame.cell), frame.cell[0]), room,
-            ),
-        )  # fmt: skip
+            lambda room: call(find_meeting, surface, clusters, meeting, reach, marks, room),
+        )
         parts = [every[:found]]
         for cluster, body, _ in near.meeting[walls].tolist():
             some = table.members[table.first[cluster] : table.first[cluster + 1]]
+            axis, side, place, *_ = self._walls.planes[body - self._walls.first].tolist()
+            at = frame.origin[axis] + (place - frame.ghost) * frame.cell[axis]
+            away = side * (at - surface.now[some, axis])
+            some = some[(away < REACH * frame.cell[axis]) & (side * surface.turned[some, axis] > 0)]
             one = no_facets(len(some))
             one["facet"], one["body"], one["other"] = some, body, -1
+            marks[some] = 1
             parts.append(one)
         every = np.concatenate(parts)
         order = np.lexsort((every["facet"], every["body"], surface.patch[every["facet"]]))
-        self._candidates = every[order]
+        self._candidates, self._facets = every[order], np.flatnonzero(marks)
+        surface.now[near.facets[marks[near.facets] == 0]] = np.inf  # they do not move until then
 
     def _exchange_near(
         self, rank: RankState, update: VertexUpdate, table: Table, near: Near
@@ -322,8 +336,9 @@ class SurfaceContact(LagrangianContact):
         """The pairs of patches and other bodies, with their rows of B."""
         call, frame, surface = self.call, self.scene.domain.frame, table.surface
         cells, every, rigid = near.cells, self._candidates, self.rigid_bodies
-        call(move_facets, frame, rigid, surface, cells, u, near.facets, self._F)
-        call(find_gaps, frame, rigid, self._walls, surface, cells, u, self._F, every)
+        call(move_facets, frame, rigid, surface, cells, u, self._facets, self._scratch)
+        F = self._scratch[0]
+        call(find_gaps, frame, rigid, self._walls, surface, cells, u, F, every)
         most = len(every)
         pairs, seen = ContactPairs.empty(most), np.empty((2, len(near.keys)), np.int64)
         counts = [0, 0]

@@ -78,9 +78,7 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     members = np.argsort(cluster, kind="stable")
     first = np.concatenate([[0], np.cumsum(np.bincount(cluster, minlength=count))])
     corners = 2**D
-    pair = np.column_stack(
-        [np.repeat(cluster[soft], corners), cells.corners[of].reshape(-1)]
-    )
+    pair = np.column_stack([np.repeat(cluster[soft], corners), cells.corners[of].reshape(-1)])
     owner, corner = np.unique(pair, axis=0).T
     return Table(
         surface, cells, numbers, keys, first, members, body[members[first[:-1]]],
@@ -105,9 +103,7 @@ def _rigid_bodies(scene: Scene) -> list[LatticeBody]:
         low, high = np.maximum(low, origin - extent), np.minimum(high, origin + 2.0 * extent)
         begin = np.floor((low - origin) / size).astype(np.int64) - 1
         end = np.ceil((high - origin) / size).astype(np.int64) + 1
-        edges = [
-            origin[d] + np.arange(begin[d], end[d] + 1) * size[d] for d in range(len(size))
-        ]
+        edges = [origin[d] + np.arange(begin[d], end[d] + 1) * size[d] for d in range(len(size))]
         centres = [0.5 * (each[1:] + each[:-1]) for each in edges]
         found.append(LatticeBody(entry.region, edges, centres, cut=True, exact=True))
     return found
@@ -204,7 +200,9 @@ def records_of(rank: RankState, numbers: np.ndarray) -> np.ndarray:
     return np.where(there, i * stride[0] + field * size + j * stride[1] + k * stride[2], -1)
 
 
-def _beside(x: np.ndarray, body: np.ndarray, radius: float, D: int) -> tuple[np.ndarray, np.ndarray]:
+def _beside(
+    x: np.ndarray, body: np.ndarray, radius: float, D: int
+) -> tuple[np.ndarray, np.ndarray]:
     """Neighbours of each facet, see `Surface`."""
     start = np.zeros(len(x) + 1, np.int64)
     bins = np.floor(x / radius).astype(np.int64)
