@@ -46,6 +46,11 @@ class Table(NamedTuple):
     owner: np.ndarray
     corner: np.ndarray
 
+    def facets(self, clusters: np.ndarray) -> np.ndarray:
+        """The facets of some clusters."""
+        every = [self.members[self.first[c] : self.first[c + 1]] for c in clusters.tolist()]
+        return np.concatenate([np.empty(0, np.int64), *every])
+
 
 def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     """Find the surfaces of all bodies; collective."""
@@ -205,12 +210,7 @@ def _beside(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Neighbours of each facet, see `Surface`."""
     start = np.zeros(len(x) + 1, np.int64)
-    bins = np.floor(x / radius).astype(np.int64)
-    bins -= bins.min(axis=0, initial=0) if len(x) else 0
-    extent = bins.max(axis=0, initial=0) + 3
-    strides = np.array([extent[1] * extent[2], extent[2], 1])
-    strides[D:] = 0
-    key_of = (bins + 1) @ np.array([extent[1] * extent[2], extent[2], 1])
+    key_of, strides = bins_of(x, radius, D)
     order = np.argsort(key_of, kind="stable")
     call = Bound()
     beside, found = grown(
@@ -221,3 +221,14 @@ def _beside(
         ),
     )
     return start, beside[:found]
+
+
+def bins_of(x: np.ndarray, side: float, D: int) -> tuple[np.ndarray, np.ndarray]:
+    """Keys of the bins that points, (n, 3), are in, and the strides of keys by direction."""
+    bins = np.floor(x / side).astype(np.int64)
+    bins -= bins.min(axis=0, initial=1 << 60) - 1
+    extent = bins.max(axis=0, initial=0) + 2
+    strides = np.array([extent[1] * extent[2], extent[2], 1])
+    key_of = bins @ strides
+    strides[D:2] = 0  # neighbours along the last one have neighbouring keys
+    return key_of, strides
