@@ -6,6 +6,11 @@ from pgimp.solver.contact.base import NoContact
 
 def contact_kind(scene: Scene) -> type[NoContact]:
     """Return the class of a scene's contact."""
+    meets = scene.interaction.pairs or scene.domain.unilateral_walls
+    if meets and scene.settings.exact_surfaces.any() and scene.settings.exact_surfaces.all():
+        from pgimp.solver.contact.surfaces.contact import SurfaceContact
+
+        return SurfaceContact
     if scene.settings.mixed or (
         scene.settings.initial and (scene.interaction.pairs or scene.domain.unilateral_walls)
     ):

@@ -107,7 +107,6 @@ SCENES = (
         for feature, why in (
             (f.beyond_cells, "is for particles that are points or boxes in cells, not {b.name}"),
             (f.points, "is for bodies on the lattice, but '{b.name}' comes from a file"),
-            (f.meetings, "does not know {b.name} yet"),
             (f.averaged, "does not know the averaged mass yet"),
         )
     ),
