@@ -10,8 +10,8 @@ from pgimp.kernels.data.record import ACCELERATION, MASS, MOMENTUM, VELOCITY
 from pgimp.kernels.data.used_rows import fields_with, next_bit, rows_with
 from pgimp.kernels.data.velocity_fields import field_size
 from pgimp.kernels.grid.conditions import Holding
-from pgimp.kernels.rigid.bodies import position_of
 from pgimp.kernels.loads.loads import relaxed_part
+from pgimp.kernels.rigid.bodies import position_of
 
 
 @kernel

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pgimp.scene.bodies.elements import Elements, Indices, Reals
+from pgimp.scene.bodies.elements import Indices, Reals
 from pgimp.scene.bodies.lattice_body import LatticeBody
 from pgimp.scene.bodies.surface_elements import Closed, find_elements
 
@@ -48,9 +48,7 @@ class Facets(NamedTuple):
         return int(self.patch[-1]) + 1 if len(self.patch) else 0
 
 
-def facets_of(
-    body: LatticeBody, origin: Reals, cell: Reals, closed: Closed = ()
-) -> Facets:
+def facets_of(body: LatticeBody, origin: Reals, cell: Reals, closed: Closed = ()) -> Facets:
     """Facets of a body, in patches.
 
     Parameters
@@ -70,6 +68,11 @@ def facets_of(
     found, size = found.chosen(some), size[some]
     normal = found.area / size[:, None]
     x = found.centroid
+    # A surface between two boxes has an element in each.
+    places = np.rint(1e6 * np.column_stack([x / body.size, normal])) + 0.0
+    _, first, same = np.unique(places, axis=0, return_index=True, return_inverse=True)
+    size = np.bincount(same.reshape(-1), size)
+    found, x, normal = found.chosen(first), x[first], normal[first]
     patch = _patches(x, normal, size, origin, cell, side)
     order = np.argsort(patch, kind="stable")
     return Facets(
@@ -135,7 +138,9 @@ def _joins(places: Indices, total: Reals, centre: Reals, mean: Reals, side: floa
         near = [
             other
             for step in steps
-            for other in by_place.get(tuple(a + b for a, b in zip(places[one], step, strict=True)), ())
+            for other in by_place.get(
+                tuple(a + b for a, b in zip(places[one], step, strict=True)), ()
+            )
         ]
         near = [n for n in near if root(n) != own and float(unit[n] @ unit[one]) > _ALIKE]
         if not near:

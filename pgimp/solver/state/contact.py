@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 #: Datasets of a checkpoint.
 FIELDS, FORCES, SEARCH = "velocity-fields", "contact-forces", "contact-search"
+PUSHED = "contact-accelerations"
 
 #: Columns of the forces that are whole numbers, of vertices and bodies, and their bound.
 _NUMBERS, _GREATEST = 5, 2.0**52
@@ -47,8 +48,12 @@ def stored_contact(rank: Rank, source: CheckpointFile, read: Callable) -> dict[s
         found[FORCES] = forces
     if SEARCH in source.whole:
         found[SEARCH] = read(source, SEARCH, source.whole[SEARCH][1])
-        if len(found[SEARCH]) < 5 or not np.isfinite(found[SEARCH]).all():
+        if len(found[SEARCH]) < 8 or not np.isfinite(found[SEARCH]).all():
             raise DamagedError("its search for contact is none")
+    if rank.averaged_mass and PUSHED in source.whole:
+        found[PUSHED] = read(source, PUSHED, (*source.whole[PUSHED][1][:1], 4))
+        if (np.ascontiguousarray(found[PUSHED][:, 0]).view(np.int64) < 0).any():
+            raise DamagedError("its accelerations by contact are at no vertices")
     return found
 
 
@@ -60,3 +65,5 @@ def restore_contact(rank: Rank, found: dict[str, np.ndarray]) -> None:
         rank.contact.restore_forces(found[FORCES])
     if SEARCH in found:
         rank.contact.restore_search(found[SEARCH])
+    if PUSHED in found:
+        rank.averaged_mass.restore(found[PUSHED])

@@ -66,11 +66,7 @@ def load_rigid(contact, rigid_bodies, a, s, rigid):
     t = _free_number(rigid_bodies, s)
     if t < 0:
         return
-    row, motion, arm = (
-        contact.fields[a],
-        rigid_bodies.motion[t],
-        _arm(rigid_bodies, t, rigid),
-    )
+    row, motion, arm = (contact.fields[a], rigid_bodies.motion[t], _arm(rigid_bodies, t, rigid))
     C = rigid_bodies.responses[0, rigid_bodies.lattice[t].free]
     for d in range(3):
         v, bound = 0.0, 0.0

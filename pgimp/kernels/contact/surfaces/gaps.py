@@ -15,6 +15,9 @@ from pgimp.kernels.contact.surfaces.motion import gradient_at, position_at, turn
 #: the square of what is above, over that of a distance of a cell.
 MEETS, OPPOSED, ASKEW = 0.3, -0.5, 4.0
 
+#: Cells by which facets of one body are apart in the initial state if they may meet.
+APART = 2.0
+
 #: Weight of the distance along a facet, so that one of several in a plane is next to a point.
 _ALONG = 1e-6
 
@@ -39,8 +42,23 @@ def reluctance(same, cell):
 
 
 @inner_kernel
-def _square(D, surface, x, facing, cell, f):
-    """Square of the distance of a point from facet `f`, with the `reluctance` of both."""
+def apart(surface, s, f, cell):
+    """Whether two facets of one body are so far apart in the initial state that they may meet.
+
+    Of both patches the one with the smaller number looks for the other.
+    """
+    square = 0.0
+    for d in range(3):
+        square += (surface.x[s, d] - surface.x[f, d]) ** 2
+    return surface.patch[s] < surface.patch[f] and square > (APART * cell) ** 2
+
+
+@inner_kernel
+def _square(D, surface, s, cell, f):
+    """Square of the distance of facet `s` from facet `f`, with the `reluctance` of both."""
+    x, facing = surface.now[s], surface.turned[s]
+    if surface.body[s] == surface.body[f] and not apart(surface, s, f, cell):
+        return inf
     along, whole, same = 0.0, 0.0, 0.0
     for d in range(3):
         way, n = x[d] - surface.now[f, d], surface.turned[f, d]
@@ -54,14 +72,14 @@ def _square(D, surface, x, facing, cell, f):
 
 
 @inner_kernel
-def next_facet(D, surface, x, facing, cell, f):
-    """Facet next to a point, from facet `f` on along neighbours."""
-    least = _square(D, surface, x, facing, cell, f)
+def next_facet(D, surface, s, cell, f):
+    """Facet next to facet `s`, from facet `f` on along neighbours."""
+    least = _square(D, surface, s, cell, f)
     while True:
         best = f
         for k in range(surface.start[f], surface.start[f + 1]):
             other = surface.beside[k]
-            square = _square(D, surface, x, facing, cell, other)
+            square = _square(D, surface, s, cell, other)
             if square < least or (square == least and other < best):
                 least, best = square, other
         if best == f:
@@ -80,7 +98,7 @@ def _solve_place(frame, cells, c, x, u, F, place):
         y = position_at(frame, cells, c, place, u)
         gradient_at(frame, cells, c, place, u, F)
         r = (x[0] - y[0], x[1] - y[1], x[2] - y[2])
-        J, step = 0.0, (0.0, 0.0, 0.0)
+        J = 0.0
         for j in range(3):
             J += F[0, j] * _cofactor(F, 0, j)
         most = 0.0
@@ -185,9 +203,8 @@ def find_gaps(frame, rigid_bodies, walls, surface, cells, u, F, every):
             for d in range(3):
                 near.normal[d] = -1.0 * side if d == axis else 0.0
             continue
-        x, facing = surface.now[s], surface.turned[s]
-        f = near.other = next_facet(D, surface, x, facing, frame.cell[0], near.other)
-        if _square(D, surface, x, facing, frame.cell[0], f) > (DEEPEST * frame.cell[0]) ** 2:
+        near.other = next_facet(D, surface, s, frame.cell[0], near.other)
+        if _square(D, surface, s, frame.cell[0], near.other) > (DEEPEST * frame.cell[0]) ** 2:
             near.gap = inf
             continue
         _find_gap(frame, rigid_bodies, surface, cells, u, F, near)

@@ -79,8 +79,27 @@ def _move_rigid(rigid_bodies, surface, f):
         surface.now[f, d], surface.turned[f, d] = x, n
 
 
+@inner_kernel
+def _set_polynomial(D, cells, c, u, P):
+    """Set the coefficients of the displacement in a cell, (2^D, 3), by the factors' bits.
+
+    Entry e is the coefficient of the product of the places along the directions of its bits, see
+    `hat`.
+    """
+    for corner in range(1 << D):
+        v = cells.corners[c, corner]
+        for i in range(3):
+            P[corner, i] = u[v, i]
+    for d in range(D):
+        bit = 1 << (D - 1 - d)
+        for corner in range(1 << D):
+            if corner & bit:
+                for i in range(3):
+                    P[corner, i] -= P[corner ^ bit, i]
+
+
 @kernel
-def move_facets(frame, rigid_bodies, surface, cells, u, some, F):
+def move_facets(frame, rigid_bodies, surface, cells, u, some, scratch):
     """Set the current centroids and normals of some facets.
 
     Parameters
@@ -89,19 +108,37 @@ def move_facets(frame, rigid_bodies, surface, cells, u, some, F):
         Displacements of the surface vertices.
     some : (n,) int64
         The facets.
-    F : (3, 3) float64
+    scratch : ((3, 3) float64, (2^D, 3) float64)
         Scratch.
     """
+    D, (F, P), last = len(frame.cell), scratch, -1
     for n in range(len(some)):
         f = some[n]
         c = surface.cell[f]
         if c < 0:
             _move_rigid(rigid_bodies, surface, f)
             continue
-        x = position_at(frame, cells, c, surface.place[f], u)
-        gradient_at(frame, cells, c, surface.place[f], u, F)
+        if c != last:
+            _set_polynomial(D, cells, c, u, P)
+            last = c
+        for i in range(3):
+            surface.now[f, i] = surface.x[f, i] + P[0, i]
+            for j in range(3):
+                F[i, j] = 1.0 if i == j else 0.0
+        for e in range(1, 1 << D):
+            whole = 1.0
+            for d in range(D):
+                whole *= surface.place[f, d] if e >> (D - 1 - d) & 1 else 1.0
+            for i in range(3):
+                surface.now[f, i] += P[e, i] * whole
+            for j in range(D):
+                if e >> (D - 1 - j) & 1:
+                    part = frame.inverse[j]
+                    for d in range(D):
+                        part *= surface.place[f, d] if d != j and e >> (D - 1 - d) & 1 else 1.0
+                    for i in range(3):
+                        F[i, j] += P[e, i] * part
         normal = turned_normal(F, surface.normal[f])
         length = sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
         for d in range(3):
-            surface.now[f, d] = x[d]
             surface.turned[f, d] = normal[d] / length

@@ -4,10 +4,10 @@ The gap G of a patch is a smooth least one of its facets' gaps g_k, the level s 
 
     sum_k A_k max(0, s - g_k)^2 = A d^2,   G = s - d,
 
-with the facets' areas A_k, the patch's area A and a small length d: of a flat patch the gap itself.
-Its derivatives are weights, W_k ~ A_k max(0, s - g_k), which add up to 1: the constraint G >= 0 acts
-by them, where the patch touches, and is a holonomic one, so that it takes and gives no energy. The
-velocity at the patch is the mean
+with the facets' areas A_k, the patch's area A and a small length d: the gap itself where a patch
+and what it meets are parallel. Its derivatives are weights, W_k ~ A_k max(0, s - g_k), which add up
+to 1. So the constraint G >= 0 acts where the patch touches, and neither takes nor gives energy: it
+is holonomic. The velocity at the patch is the mean
 
     w = sum_k W_k sum_j N_j(X_k) v_j.
 
@@ -89,22 +89,22 @@ def _add_place(D, cells, c, place, part, r, used, seen, coupling):
 
 @inner_kernel
 def _set_pair(contact, surface, every, first, last, cell, dt, end, row, rigid):
-    """Set the state of a pair, given its facets; returns whether they touch soon.
+    """Set the state of a pair, given its facets; returns 0 unless they may touch.
 
-    `cell` is the least side of a cell.
+    It is 2 if the other body comes first, else 1. `cell` is the least side of a cell.
     """
     pairs, a, b = contact.pairs, surface.body[every[first].facet], every[first].body
     entry, swapped = pairs.entry[min(a, b), max(a, b)], a > b
     if entry < 0:
         entry, swapped = -entry, not swapped
     if entry == 0:
-        return False
+        return 0
     tied = pairs.kind[entry - 1] == TIED
     least = inf
     for n in range(first, last):
         least = min(least, every[n].gap)
     if not least < NEAR * cell:
-        return False
+        return 0
     level = least if tied else _level(surface, every, first, last, least, FADES * cell)
     clear_pair(row)
     end.law = entry
@@ -126,7 +126,7 @@ def _set_pair(contact, surface, every, first, last, cell, dt, end, row, rigid):
             rigid[2, d] += w * surface.now[s, d]
     square = row.normal[0] ** 2 + row.normal[1] ** 2 + row.normal[2] ** 2
     if not square > 0.0:
-        return False
+        return 0
     for d in range(3):
         row.normal[d] /= sqrt(square)
         rigid[2, d] /= whole
@@ -139,7 +139,7 @@ def _set_pair(contact, surface, every, first, last, cell, dt, end, row, rigid):
         s = every[n].facet
         w = _share(surface.area[s], every[n].gap, level, tied)
         every[n].gap = w / whole
-    return True
+    return 2 if swapped else 1
 
 
 @inlined
@@ -181,7 +181,7 @@ def find_patch_pairs(
     tuple of 3 int
         Numbers of pairs, rows and entries.
     """
-    D, bodies, (numbers, seen) = len(frame.cell), len(contact.pairs.entry), scratch
+    D, (numbers, seen) = len(frame.cell), scratch
     cell = frame.cell[0]
     for d in range(D):
         cell = min(cell, frame.cell[d])
@@ -198,12 +198,13 @@ def find_patch_pairs(
             last += 1
         end, rigid = contact_pairs.ends[pairs], contact_pairs.rigid[pairs]
         row = contact_pairs.states[pairs]
-        if _set_pair(contact, surface, every, first, last, cell, dt, end, row, rigid):
+        order = _set_pair(contact, surface, every, first, last, cell, dt, end, row, rigid)
+        if order > 0:
             for side in range(2):
                 body = end.bodies[side]
-                own = body == surface.body[s]
+                own = side == order - 1
                 f = s if own else every[first].other
-                if body >= bodies or (not own and f < 0) or surface.cell[f] < 0:
+                if f < 0 or surface.cell[f] < 0:
                     end.rows[side] = -1 - body
                     _set_rigid_velocity(contact.rigid_bodies, -1 - body, rigid, side)
                     continue

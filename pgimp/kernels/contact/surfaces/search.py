@@ -3,7 +3,9 @@
 from math import inf
 
 from pgimp.jit.kernel import inner_kernel, kernel
-from pgimp.kernels.contact.surfaces.gaps import reluctance
+from pgimp.kernels.contact.surfaces.gaps import apart, reluctance
+from pgimp.kernels.data.motion import DISPLACEMENT
+from pgimp.kernels.data.record import RECORD
 
 
 @inner_kernel
@@ -32,7 +34,7 @@ def find_beside(x, body, key_of, bins, strides, radius, start, beside):
     bins : ((n,) int64, (n,) int64)
         These keys, ascending, and the facets in that order.
     strides : (3,) int64
-        Differences of keys between neighbours by direction, 0 along missing ones.
+        Differences of keys between neighbours by direction; 0 along a missing one of the first two.
     radius : float
         Greatest distance of neighbours.
     start, beside : (n + 1,) and (k,) int64
@@ -41,15 +43,13 @@ def find_beside(x, body, key_of, bins, strides, radius, start, beside):
     found, (keys, order) = 0, bins
     start[0] = 0
     for n in range(len(x)):
-        for way in range(27):
-            i, j, k = way // 9 - 1, way // 3 % 3 - 1, way % 3 - 1
+        for way in range(9):
+            i, j = way // 3 - 1, way % 3 - 1
             if (i != 0 and strides[0] == 0) or (j != 0 and strides[1] == 0):
                 continue
-            if k != 0 and strides[2] == 0:
-                continue
-            key = key_of[n] + i * strides[0] + j * strides[1] + k * strides[2]
-            at = _first(keys, key)
-            while at < len(keys) and keys[at] == key:
+            key = key_of[n] + i * strides[0] + j * strides[1]
+            at = _first(keys, key - 1)
+            while at < len(keys) and keys[at] <= key + 1:
                 m, square = order[at], 0.0
                 at += 1
                 if m == n or body[m] != body[n]:
@@ -65,55 +65,110 @@ def find_beside(x, body, key_of, bins, strides, radius, start, beside):
 
 
 @kernel
-def find_meeting(surface, clusters, meeting, reach, every):
-    """Find the facets that may soon meet another body; returns their number.
+def bound_clusters(frame, numbers, records, motion, clusters, ends):
+    """Set the least coordinates of clusters, and the least of the reversed ones, of own vertices.
+
+    Parameters
+    ----------
+    numbers : (v, 4) int64
+        Numbers of the surface vertices along x, y, z, and their fields.
+    records : (v,) int64
+        Numbers of their records; -1 of other ranks' ones.
+    motion : VertexMotion
+        With their displacements.
+    clusters : ((k,) int64, (k,) int64)
+        Clusters, and the vertices of their cells.
+    ends : (2, clusters, D) float64
+        inf before.
+    """
+    owner, corner = clusters
+    for k in range(len(owner)):
+        v, c = corner[k], owner[k]
+        r = records[v]
+        if r < 0:
+            continue
+        for d in range(len(frame.cell)):
+            x = frame.origin[d] + (numbers[v, d] - frame.ghost) * frame.cell[d]
+            x += motion.values[r * RECORD + DISPLACEMENT + d]
+            ends[0, c, d] = min(ends[0, c, d], x)
+            ends[1, c, d] = min(ends[1, c, d], -x)
+
+
+@inner_kernel
+def _looks(surface, acts, cell, s, f):
+    """Whether facet `s` looks for facet `f`: of another body, or far from it on its own."""
+    a, b = surface.body[s], surface.body[f]
+    if acts[a, b] == 0:
+        return False
+    return a != b or apart(surface, s, f, cell)
+
+
+@kernel
+def find_meeting(surface, acts, some, bins, strides, reach, marks, best, every):
+    """Find the facets that may soon meet another body, and the nearest facet there.
 
     Parameters
     ----------
     surface : Surface
         The facets, moved.
-    clusters : ((m + 1,) int64, (n,) int64)
-        First entry of each cluster, and the facets of each.
-    meeting : (k, 3) int64
-        Clusters that meet: the one whose facets look, the other body, its cluster; ascending.
+    acts : (bodies, bodies) uint8
+        Whether facets of the first body look for those of the second.
+    some : (n,) int64
+        The facets to look at.
+    bins : ((n,) int64, (n,) int64, (n,) int64)
+        Keys of the bins that they are in, with sides of the reach; these keys, ascending, and the
+        facets' offsets in `some` in that order.
+    strides : (3,) int64
+        See `find_beside`.
     reach : (float, float)
         Greatest distance, and the side of a cell.
+    marks : (facets,) uint8
+        Set to 1 for all facets within reach of each other.
+    best : ((bodies,) float64, (bodies,) int64, (bodies,) int64)
+        Scratch; the first is inf before and after.
     every : (room,) NEAR_FACET
         Filled as far as there is room: facets, bodies, the nearest facet there.
+
+    Returns
+    -------
+    int
+        How many there are.
     """
-    first, members = clusters
-    found, k = 0, 0
-    while k < len(meeting):
-        last = k
-        while (
-            last < len(meeting)
-            and meeting[last, 0] == meeting[k, 0]
-            and meeting[last, 1] == meeting[k, 1]
-        ):
-            last += 1
-        own = meeting[k, 0]
-        for n in range(first[own], first[own + 1]):
-            s, least, nearest = members[n], inf, -1
-            for other in range(k, last):
-                c = meeting[other, 2]
-                for m in range(first[c], first[c + 1]):
-                    f = members[m]
-                    square, same = 0.0, 0.0
-                    for d in range(3):
-                        square += (surface.now[s, d] - surface.now[f, d]) ** 2
-                        same += surface.turned[s, d] * surface.turned[f, d]
-                    if square > reach[0] * reach[0]:
-                        continue
-                    square += reluctance(same, reach[1])
-                    if square < least or (square == least < inf and f < nearest):
-                        least, nearest = square, f
-            if nearest < 0:
+    found, (key_of, keys, order), (least, nearest, met) = 0, bins, best
+    for n in range(len(some)):
+        s, bodies = some[n], 0
+        for way in range(9):
+            i, j = way // 3 - 1, way % 3 - 1
+            if (i != 0 and strides[0] == 0) or (j != 0 and strides[1] == 0):
                 continue
+            key = key_of[n] + i * strides[0] + j * strides[1]
+            at = _first(keys, key - 1)
+            while at < len(keys) and keys[at] <= key + 1:
+                f, square, same = some[order[at]], 0.0, 0.0
+                at += 1
+                if not _looks(surface, acts, reach[1], s, f):
+                    continue
+                for d in range(3):
+                    square += (surface.now[s, d] - surface.now[f, d]) ** 2
+                    same += surface.turned[s, d] * surface.turned[f, d]
+                if square > reach[0] * reach[0]:
+                    continue
+                marks[f] = marks[s] = 1
+                square, b = square + reluctance(same, reach[1]), surface.body[f]
+                if not square < inf:
+                    continue
+                if least[b] == inf:
+                    met[bodies] = b
+                    bodies += 1
+                if square < least[b] or (square == least[b] and f < nearest[b]):
+                    least[b], nearest[b] = square, f
+        for k in range(bodies):
+            b = met[k]
             if found < len(every):
-                every[found].facet, every[found].body = s, meeting[k, 1]
-                every[found].other, every[found].gap = nearest, inf
+                every[found].facet, every[found].body = s, b
+                every[found].other, every[found].gap = nearest[b], inf
             found += 1
-        k = last
+            least[b] = inf
     return found
 
 

@@ -49,12 +49,7 @@ class WarmStart:
         )
 
     def begin(
-        self,
-        contact: Contact,
-        pairs: ContactPairs,
-        coupling: Coupling,
-        solved: Solved,
-        dt: float,
+        self, contact: Contact, pairs: ContactPairs, coupling: Coupling, solved: Solved, dt: float
     ) -> None:
         """Set and apply the impulses that the last steps predict, on the rank that solves."""
         self.call(begin_impulses, contact, self._kept, pairs, coupling, solved, dt)

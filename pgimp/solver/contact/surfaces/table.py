@@ -46,6 +46,11 @@ class Table(NamedTuple):
     owner: np.ndarray
     corner: np.ndarray
 
+    def facets(self, clusters: np.ndarray) -> np.ndarray:
+        """The facets of some clusters."""
+        every = [self.members[self.first[c] : self.first[c + 1]] for c in clusters.tolist()]
+        return np.concatenate([np.empty(0, np.int64), *every])
+
 
 def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     """Find the surfaces of all bodies; collective."""
@@ -70,7 +75,7 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     start, beside = _beside(facets.x, body, float(cell.max()) * _BESIDE[D - 1], D)
     surface = Surface(
         facets.x, facets.normal, facets.middle, facets.half, facets.area, facets.patch, body,
-        index, place, start, beside, np.zeros((len(body), 3)), np.zeros((len(body), 3)),
+        index, place, start, beside, np.full((len(body), 3), np.inf), np.zeros((len(body), 3)),
     )  # fmt: skip
     keys = np.empty(len(numbers), np.int64)
     keys_of_vertices(_bits(frame, 1 + max(fields, default=0)), numbers, keys)
@@ -81,9 +86,7 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     members = np.argsort(cluster, kind="stable")
     first = np.concatenate([[0], np.cumsum(np.bincount(cluster, minlength=count))])
     corners = 2**D
-    pair = np.column_stack(
-        [np.repeat(cluster[soft], corners), cells.corners[of].reshape(-1)]
-    )
+    pair = np.column_stack([np.repeat(cluster[soft], corners), cells.corners[of].reshape(-1)])
     owner, corner = np.unique(pair, axis=0).T
     return Table(
         surface, cells, numbers, keys, first, members, body[members[first[:-1]]],
@@ -108,9 +111,7 @@ def _rigid_bodies(scene: Scene) -> list[LatticeBody]:
         low, high = np.maximum(low, origin - extent), np.minimum(high, origin + 2.0 * extent)
         begin = np.floor((low - origin) / size).astype(np.int64) - 1
         end = np.ceil((high - origin) / size).astype(np.int64) + 1
-        edges = [
-            origin[d] + np.arange(begin[d], end[d] + 1) * size[d] for d in range(len(size))
-        ]
+        edges = [origin[d] + np.arange(begin[d], end[d] + 1) * size[d] for d in range(len(size))]
         centres = [0.5 * (each[1:] + each[:-1]) for each in edges]
         found.append(LatticeBody(entry.region, edges, centres, cut=True, exact=True))
     return found
@@ -207,15 +208,12 @@ def records_of(rank: RankState, numbers: np.ndarray) -> np.ndarray:
     return np.where(there, i * stride[0] + field * size + j * stride[1] + k * stride[2], -1)
 
 
-def _beside(x: np.ndarray, body: np.ndarray, radius: float, D: int) -> tuple[np.ndarray, np.ndarray]:
+def _beside(
+    x: np.ndarray, body: np.ndarray, radius: float, D: int
+) -> tuple[np.ndarray, np.ndarray]:
     """Neighbours of each facet, see `Surface`."""
     start = np.zeros(len(x) + 1, np.int64)
-    bins = np.floor(x / radius).astype(np.int64)
-    bins -= bins.min(axis=0, initial=0) if len(x) else 0
-    extent = bins.max(axis=0, initial=0) + 3
-    strides = np.array([extent[1] * extent[2], extent[2], 1])
-    strides[D:] = 0
-    key_of = (bins + 1) @ np.array([extent[1] * extent[2], extent[2], 1])
+    key_of, strides = bins_of(x, radius, D)
     order = np.argsort(key_of, kind="stable")
     call = Bound()
     beside, found = grown(
@@ -226,3 +224,14 @@ def _beside(x: np.ndarray, body: np.ndarray, radius: float, D: int) -> tuple[np.
         ),
     )
     return start, beside[:found]
+
+
+def bins_of(x: np.ndarray, side: float, D: int) -> tuple[np.ndarray, np.ndarray]:
+    """Keys of the bins that points, (n, 3), are in, and the strides of keys by direction."""
+    bins = np.floor(x / side).astype(np.int64)
+    bins -= bins.min(axis=0, initial=1 << 60) - 1
+    extent = bins.max(axis=0, initial=0) + 2
+    strides = np.array([extent[1] * extent[2], extent[2], 1])
+    key_of = bins @ strides
+    strides[D:2] = 0  # neighbours along the last one have neighbouring keys
+    return key_of, strides
