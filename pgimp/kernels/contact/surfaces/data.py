@@ -30,6 +30,7 @@ class Surface(NamedTuple):
     middle: FloatArray
     half: FloatArray
     area: FloatArray  #: (n,) float64.
+    whole: FloatArray  #: (n,) float64: Areas of their patches.
     patch: IntArray  #: (n,) int64.
     body: IntArray  #: (n,) int64: Bodies; rigid ones come after the others.
     cell: IntArray  #: (n,) int64: Numbers in `SurfaceCells`; -1 on rigid bodies.

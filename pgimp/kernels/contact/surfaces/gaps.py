@@ -24,11 +24,11 @@ _ALONG = 1e-6
 #: Part of the mean radius of a facet by which it reaches farther than a disc of its area.
 _WIDE = 1.25
 
-#: Cells by which a point may lie beside a facet's part of a box, and the same over its distance.
-_BESIDE, _BESIDE_DISTANCE = 1e-3, 0.5
+#: Cells by which a point may lie beside a facet's part of a box, and the same over its distance, of
+#: points before the facet and behind it: what is deep beside an edge is not in the body.
+_BESIDE, _BESIDE_BEFORE, _BESIDE_BEHIND = 1e-3, 0.5, 0.1
 
-#: Depth in cells beyond which a point is not in a surface, but in what is behind, and the greatest
-#: distance from a facet. Farther away the cell's displacements, extrapolated, may fold.
+#: Depth in cells beyond which a point is not in a surface, but in what is behind.
 DEEPEST = 0.5
 
 #: Iterations for the place in a cell, at most, the error in cells that ends them, and the greatest.
@@ -162,9 +162,8 @@ def _find_gap(frame, rigid_bodies, surface, cells, u, F, near):
     for d in range(D):
         y = _own(frame, cells, c, near, d) - phi * surface.normal[f, d]
         beside = max(beside, abs(y - surface.middle[f, d]) - surface.half[f, d])
-    if beside > _BESIDE * least + _BESIDE_DISTANCE * abs(phi) or near.gap < -DEEPEST * least:
-        near.gap = inf
-    if not off <= _CLOSE or not near.gap < inf:
+    most = _BESIDE * least + max(_BESIDE_BEFORE * phi, -_BESIDE_BEHIND * phi)
+    if not (off <= _CLOSE and beside <= most and -DEEPEST * least <= near.gap < inf):
         near.gap = inf
 
 
@@ -175,7 +174,7 @@ def _own(frame, cells, c, near, d):
 
 
 @kernel
-def find_gaps(frame, rigid_bodies, walls, surface, cells, u, F, every):
+def find_gaps(frame, rigid_bodies, walls, surface, cells, u, F, far, every):
     """Find the gaps between facets and the other bodies next to them.
 
     Parameters
@@ -188,6 +187,8 @@ def find_gaps(frame, rigid_bodies, walls, surface, cells, u, F, every):
         Displacements of the surface vertices.
     F : (3, 3) float64
         Scratch.
+    far : float
+        Greatest distance. Farther away the cell's displacements, extrapolated, may fold.
     every : (n,) NEAR_FACET
         The facets; `other` is where the search for the one next to them begins.
     """
@@ -204,7 +205,7 @@ def find_gaps(frame, rigid_bodies, walls, surface, cells, u, F, every):
                 near.normal[d] = -1.0 * side if d == axis else 0.0
             continue
         near.other = next_facet(D, surface, s, frame.cell[0], near.other)
-        if _square(D, surface, s, frame.cell[0], near.other) > (DEEPEST * frame.cell[0]) ** 2:
+        if _square(D, surface, s, frame.cell[0], near.other) > far * far:
             near.gap = inf
             continue
         _find_gap(frame, rigid_bodies, surface, cells, u, F, near)

@@ -40,12 +40,10 @@ PARTS = 1e-3
 @inner_kernel
 def _level(surface, every, first, last, least, width):
     """Level of a patch above the least gap, by Newton's method from above."""
-    near, whole = inf, 0.0
+    near, whole = inf, surface.whole[every[first].facet]
     for n in range(first, last):
-        area = surface.area[every[n].facet]
-        whole += area
         if every[n].gap == least:
-            near = min(near, area)
+            near = min(near, surface.area[every[n].facet])
     s = least + width * sqrt(whole / near)
     for _ in range(_NEWTON):
         value, slope = -whole * width * width, 0.0
@@ -62,10 +60,10 @@ def _level(surface, every, first, last, least, width):
 
 @inner_kernel
 def _share(area, gap, level, tied):
-    """Weight of a facet in its patch."""
-    if not gap < inf:
+    """Weight of a facet in its patch; of tied ones `level` is where ties end."""
+    if not gap < level:
         return 0.0
-    return area if tied else area * max(0.0, level - gap)
+    return area if tied else area * (level - gap)
 
 
 @inner_kernel
@@ -103,9 +101,12 @@ def _set_pair(contact, surface, every, first, last, cell, dt, end, row, rigid):
     least = inf
     for n in range(first, last):
         least = min(least, every[n].gap)
-    if not least < NEAR * cell:
+    normal, shear, reach = pairs.adhesion[entry - 1]
+    if not least < max(NEAR * cell, reach):
         return 0
-    level = least if tied else _level(surface, every, first, last, least, FADES * cell)
+    level, glued = NEAR * cell, 0.0
+    if not tied:
+        level = _level(surface, every, first, last, least, FADES * cell)
     clear_pair(row)
     end.law = entry
     end.bodies[0], end.bodies[1] = (b, a) if swapped else (a, b)
@@ -117,6 +118,8 @@ def _set_pair(contact, surface, every, first, last, cell, dt, end, row, rigid):
     for n in range(first, last):
         s = every[n].facet
         w = _share(surface.area[s], every[n].gap, level, tied)
+        if every[n].gap < reach:
+            glued += surface.area[s]
         if w == 0.0:
             continue
         whole += w
@@ -131,9 +134,8 @@ def _set_pair(contact, surface, every, first, last, cell, dt, end, row, rigid):
         row.normal[d] /= sqrt(square)
         rigid[2, d] /= whole
     row.gap_rate = max(gap, -PARTS * cell) / dt
-    normal, shear, reach = pairs.adhesion[entry - 1]
-    if max(gap, 0.0) < reach:
-        row.adhesion, row.shear_adhesion = normal * row.area * dt, shear * row.area * dt
+    row.area = max(row.area, glued)
+    row.adhesion, row.shear_adhesion = normal * glued * dt, shear * glued * dt
     # Weights of the facets, for the rows.
     for n in range(first, last):
         s = every[n].facet

@@ -142,7 +142,8 @@ class SurfaceContact(LagrangianContact):
         proximity, rigid, cells = self._proximity, self.rigid_bodies, near.cells
         every, scratch = proximity.candidates, proximity.scratch
         call(move_facets, frame, rigid, surface, cells, u, proximity.moving, scratch)
-        call(find_gaps, frame, rigid, self._walls, surface, cells, u, scratch[0], every)
+        far = proximity.far
+        call(find_gaps, frame, rigid, self._walls, surface, cells, u, scratch[0], far, every)
         most = len(every)
         pairs, seen = ContactPairs.empty(most), np.empty((2, len(near.keys)), np.int64)
         vertices, counts = (flat(values), seen), [0, 0]

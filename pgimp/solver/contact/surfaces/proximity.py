@@ -11,6 +11,7 @@ from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
 from pgimp.kernels.contact.surfaces.data import SurfaceCells, no_facets
+from pgimp.kernels.contact.surfaces.gaps import DEEPEST
 from pgimp.kernels.contact.surfaces.motion import move_facets
 from pgimp.kernels.contact.surfaces.search import bound_clusters, find_meeting
 from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_VELOCITY
@@ -22,9 +23,8 @@ from pgimp.solver.contact.lagrangian.messages import greatest, swap
 from pgimp.solver.contact.surfaces.table import Table, bins_of, records_of
 from pgimp.solver.rank_state import RankState
 
-#: Cells within which facets of two bodies are known to each other, and by which each body may move
-#: until the next search; the most steps until then.
-REACH, TRAVEL, LONGEST = 1.0, 0.25, 16
+#: Cells by which each body may move until the next search, and the most steps until then.
+TRAVEL, LONGEST = 0.25, 16
 
 _U = slice(DISPLACEMENT, DISPLACEMENT + 3)
 
@@ -72,8 +72,13 @@ class Proximity:
         self.candidates, self.moving = no_facets(0), np.empty(0, np.int64)
         self.root = 0
         self.scratch = np.zeros((3, 3)), np.zeros((2**scene.dimension, 3))
+        cell, pairs = np.array(scene.domain.frame.cell), scene.interaction.pairs
+        adheres = pairs.adhesion[:, 2].max(initial=0.0) if pairs else 0.0
+        self.far = max(DEEPEST * cell.min(), adheres)
+        self._reach = (2.0 * TRAVEL) * cell + self.far
         self._pause, self._moved = 0, 0.0
-        self._records, self._window = np.empty(0, np.int64), None  # type: tuple[np.ndarray, object]
+        self._records = np.empty(0, np.int64)
+        self._window: object = None
         self._before = np.empty((0, 3))  # displacements of all surface vertices at the last search
         self._restored = np.empty(0)
 
@@ -213,8 +218,7 @@ class Proximity:
     ) -> tuple[np.ndarray, dict[int, np.ndarray]]:
         """Clusters that may meet others, and for each wall the facets that may meet it."""
         frame, both = self.scene.domain.frame, acts | acts.T
-        cell = np.array(frame.cell)
-        reach = REACH * cell
+        cell, reach = np.array(frame.cell), self._reach
         some = _beside(table.body, low, high, reach, both)
         a, b = some[close_pairs(low[some], high[some], reach)].T
         met = both[table.body[a], table.body[b]] != 0
@@ -285,7 +289,7 @@ class Proximity:
             return
         frame = self.scene.domain.frame
         call(move_facets, frame, rigid, surface, near.cells, u, near.facets, self.scratch)
-        marks, reach = np.zeros(len(surface.x), np.uint8), (REACH * max(frame.cell), frame.cell[0])
+        marks, reach = np.zeros(len(surface.x), np.uint8), (self._reach.max(), frame.cell[0])
         key_of, strides = bins_of(surface.now[some], reach[0], self.scene.dimension)
         order = np.argsort(key_of, kind="stable")
         bins, count = (key_of, key_of[order], order), len(acts)
@@ -303,8 +307,8 @@ class Proximity:
         for body, these in on_walls.items():
             axis, side, place, *_ = self.walls.planes[body - self.walls.first].tolist()
             at = frame.origin[axis] + (place - frame.ghost) * frame.cell[axis]
-            away = side * (at - surface.now[these, axis]) / frame.cell[axis]
-            these = these[(away < REACH) & (side * surface.turned[these, axis] > 0.0)]
+            away = side * (at - surface.now[these, axis])
+            these = these[(away < self._reach[axis]) & (side * surface.turned[these, axis] > 0.0)]
             one = no_facets(len(these))
             one["facet"], one["body"], one["other"] = these, body, -1
             marks[these] = 1
