@@ -28,8 +28,9 @@ _WIDE = 1.25
 #: points before the facet and behind it: what is deep beside an edge is not in the body.
 _BESIDE, _BESIDE_BEFORE, _BESIDE_BEHIND = 1e-3, 0.5, 0.1
 
-#: Depth in cells beyond which a point is not in a surface, but in what is behind.
-DEEPEST = 0.5
+#: Depth in cells beyond which a point is not in a surface, but in what is behind, and cells within
+#: which facets are next to each other.
+DEEPEST, FARTHEST = 0.25, 0.5
 
 #: Iterations for the place in a cell, at most, the error in cells that ends them, and the greatest.
 _NEWTON, _EXACT, _CLOSE = 12, 1e-13, 1e-10

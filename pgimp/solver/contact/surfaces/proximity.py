@@ -11,7 +11,7 @@ from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
 from pgimp.kernels.contact.surfaces.data import SurfaceCells, no_facets
-from pgimp.kernels.contact.surfaces.gaps import DEEPEST
+from pgimp.kernels.contact.surfaces.gaps import FARTHEST
 from pgimp.kernels.contact.surfaces.motion import move_facets
 from pgimp.kernels.contact.surfaces.search import bound_clusters, find_meeting
 from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_VELOCITY
@@ -74,7 +74,7 @@ class Proximity:
         self.scratch = np.zeros((3, 3)), np.zeros((2**scene.dimension, 3))
         cell, pairs = np.array(scene.domain.frame.cell), scene.interaction.pairs
         adheres = pairs.adhesion[:, 2].max(initial=0.0) if pairs else 0.0
-        self.far = max(DEEPEST * cell.min(), adheres)
+        self.far = max(FARTHEST * cell.min(), adheres)
         self._reach = (2.0 * TRAVEL) * cell + self.far
         self._pause, self._moved = 0, 0.0
         self._records = np.empty(0, np.int64)
