@@ -8,7 +8,7 @@ of Y from the facet in the undeformed body, the gap is phi/|F^-T N|, and the nor
 from math import inf, sqrt
 
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
-from pgimp.kernels.contact.surfaces.motion import gradient_at, position_at, turned_normal
+from pgimp.kernels.contact.surfaces.motion import deform, set_polynomial, turned_normal
 
 #: Greatest cosine between normals of facets that meet; above `OPPOSED` they meet less readily than
 #: others: at an edge a face meets the other face that it lies on, not the one beside it. Weight of
@@ -32,8 +32,9 @@ _BESIDE, _BESIDE_BEFORE, _BESIDE_BEHIND = 1e-3, 0.5, 0.1
 #: which facets are next to each other.
 DEEPEST, FARTHEST = 0.25, 0.5
 
-#: Iterations for the place in a cell, at most, the error in cells that ends them, and the greatest.
-_NEWTON, _EXACT, _CLOSE = 12, 1e-13, 1e-10
+#: Iterations for the place in a cell, at most, and the change in cells that ends them: the next one
+#: is its square.
+_NEWTON, _EXACT = 12, 1e-7
 
 
 @inner_kernel
@@ -89,15 +90,19 @@ def next_facet(D, surface, s, cell, f):
 
 
 @inner_kernel
-def _solve_place(frame, cells, c, x, u, F, place):
+def _solve_place(frame, low, x, scratch, place):
     """Set the place in a cell, or beyond, that is at a current position; starts from `place`.
 
-    Returns the last change, in cells.
+    `low` is the cell's first vertex, with the displacement in `scratch`. Returns whether it is
+    found.
     """
-    D, most = len(frame.cell), inf
+    D, (F, P, y), most = len(frame.cell), scratch, inf
     for _ in range(_NEWTON):
-        y = position_at(frame, cells, c, place, u)
-        gradient_at(frame, cells, c, place, u, F)
+        for d in range(3):
+            y[d] = low[d]
+        for d in range(D):
+            y[d] += place[d] * frame.cell[d]
+        deform(frame, P, place, y, F)
         r = (x[0] - y[0], x[1] - y[1], x[2] - y[2])
         J = 0.0
         for j in range(3):
@@ -112,7 +117,7 @@ def _solve_place(frame, cells, c, x, u, F, place):
             most = max(most, abs(s))
         if not most > _EXACT:
             break
-    return most
+    return most <= _EXACT
 
 
 @inner_kernel
@@ -137,17 +142,17 @@ def _rigid_place(rigid_bodies, surface, x, near):
 
 
 @inner_kernel
-def _find_gap(frame, rigid_bodies, surface, cells, u, F, near):
+def _find_gap(frame, rigid_bodies, surface, cells, scratch, near):
     """Set gap, place and normal of a facet's centroid at another body's surface."""
-    D, s, f = len(frame.cell), near.facet, near.other
+    D, s, f, F = len(frame.cell), near.facet, near.other, scratch[0]
     x = (surface.now[s, 0], surface.now[s, 1], surface.now[s, 2])
-    c, length, off = surface.cell[f], 1.0, 0.0
+    c, length, close = surface.cell[f], 1.0, True
     if c < 0:
         _rigid_place(rigid_bodies, surface, x, near)
     else:
         for d in range(3):
             near.place[d] = surface.place[f, d]
-        off = _solve_place(frame, cells, c, x, u, F, near.place)
+        close = _solve_place(frame, cells.low[c], x, scratch, near.place)
         n, J = turned_normal(F, surface.normal[f]), 0.0
         for j in range(3):
             J += F[0, j] * _cofactor(F, 0, j)
@@ -164,7 +169,7 @@ def _find_gap(frame, rigid_bodies, surface, cells, u, F, near):
         y = _own(frame, cells, c, near, d) - phi * surface.normal[f, d]
         beside = max(beside, abs(y - surface.middle[f, d]) - surface.half[f, d])
     most = _BESIDE * least + max(_BESIDE_BEFORE * phi, -_BESIDE_BEHIND * phi)
-    if not (off <= _CLOSE and beside <= most and -DEEPEST * least <= near.gap < inf):
+    if not (close and beside <= most and -DEEPEST * least <= near.gap < inf):
         near.gap = inf
 
 
@@ -175,7 +180,7 @@ def _own(frame, cells, c, near, d):
 
 
 @kernel
-def find_gaps(frame, rigid_bodies, walls, surface, cells, u, F, far, every):
+def find_gaps(frame, rigid_bodies, walls, surface, cells, u, scratch, far, every):
     """Find the gaps between facets and the other bodies next to them.
 
     Parameters
@@ -186,14 +191,14 @@ def find_gaps(frame, rigid_bodies, walls, surface, cells, u, F, far, every):
         The unilateral walls.
     u : (vertices, 3) float64
         Displacements of the surface vertices.
-    F : (3, 3) float64
-        Scratch.
+    scratch
+        As of `move_facets`.
     far : float
         Greatest distance. Farther away the cell's displacements, extrapolated, may fold.
     every : (n,) NEAR_FACET
         The facets; `other` is where the search for the one next to them begins.
     """
-    D = len(frame.cell)
+    D, last = len(frame.cell), -1
     for n in range(len(every)):
         near = every[n]
         s = near.facet
@@ -209,4 +214,8 @@ def find_gaps(frame, rigid_bodies, walls, surface, cells, u, F, far, every):
         if _square(D, surface, s, frame.cell[0], near.other) > far * far:
             near.gap = inf
             continue
-        _find_gap(frame, rigid_bodies, surface, cells, u, F, near)
+        c = surface.cell[near.other]
+        if c >= 0 and c != last:
+            set_polynomial(D, cells, c, u, scratch[1])
+            last = c
+        _find_gap(frame, rigid_bodies, surface, cells, scratch, near)

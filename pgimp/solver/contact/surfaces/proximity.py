@@ -13,7 +13,7 @@ from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
 from pgimp.kernels.contact.surfaces.data import SurfaceCells, no_facets
 from pgimp.kernels.contact.surfaces.gaps import FARTHEST
 from pgimp.kernels.contact.surfaces.motion import move_facets
-from pgimp.kernels.contact.surfaces.search import bound_clusters, find_meeting
+from pgimp.kernels.contact.surfaces.search import bound_clusters, find_meeting, mark_between
 from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_VELOCITY
 from pgimp.kernels.data.record import RECORD
 from pgimp.mpi.communicator import Communicator
@@ -71,7 +71,7 @@ class Proximity:
         self.near: Near | None = None
         self.candidates, self.moving = no_facets(0), np.empty(0, np.int64)
         self.root = 0
-        self.scratch = np.zeros((3, 3)), np.zeros((2**scene.dimension, 3))
+        self.scratch = np.zeros((3, 3)), np.zeros((2**scene.dimension, 3)), np.zeros(3)
         cell, pairs = np.array(scene.domain.frame.cell), scene.interaction.pairs
         adheres = pairs.adhesion[:, 2].max(initial=0.0) if pairs else 0.0
         self.far = max(FARTHEST * cell.min(), adheres)
@@ -191,11 +191,11 @@ class Proximity:
         self._before, self._moved = self._everywhere(own, motion[:, _U]), 0.0
         self._pause = int(max(1.0, min(LONGEST, TRAVEL / travel if travel > 0.0 else LONGEST))) - 1
         self._find_root(rank)
-        low, high = self._boxes(rank, table, rigid)
-        met, on_walls = self._meeting(table, acts, low, high)
-        facets = table.facets(met)
+        boxes = self._boxes(rank, table, rigid)
+        met, on_walls = self._meeting(table, acts, *boxes)
+        facets = table.facets(np.unique(met))
         self.near = self._select(table, np.unique(np.concatenate([facets, *on_walls.values()])))
-        self._find(rank, table, self.near, acts, rigid, facets, on_walls)
+        self._find(rank, table, self.near, acts, rigid, (met, *boxes), on_walls)
 
     def _boxes(self, rank: RankState, table: Table, rigid: Any) -> tuple[np.ndarray, np.ndarray]:
         """Least and greatest coordinates of the clusters; collective."""
@@ -216,7 +216,7 @@ class Proximity:
     def _meeting(
         self, table: Table, acts: np.ndarray, low: np.ndarray, high: np.ndarray
     ) -> tuple[np.ndarray, dict[int, np.ndarray]]:
-        """Clusters that may meet others, and for each wall the facets that may meet it."""
+        """Pairs of clusters that may meet, and for each wall the facets that may meet it."""
         frame, both = self.scene.domain.frame, acts | acts.T
         cell, reach = np.array(frame.cell), self._reach
         some = _beside(table.body, low, high, reach, both)
@@ -231,7 +231,8 @@ class Proximity:
             end = (high if side > 0 else low)[soft, axis]
             near = soft[side * (at - end) < reach[axis]]
             on_walls[self.walls.first + w] = table.facets(near)
-        return np.unique(np.concatenate([a[met], b[met], alone])), on_walls
+        pairs = np.column_stack([a[met], b[met]])
+        return np.concatenate([pairs, np.column_stack([alone, alone])]), on_walls
 
     def _select(self, table: Table, facets: np.ndarray) -> Near:
         """The cells and vertices of facets that may meet others; collective."""
@@ -279,7 +280,7 @@ class Proximity:
         near: Near,
         acts: np.ndarray,
         rigid: Any,
-        some: np.ndarray,
+        meeting: tuple[np.ndarray, np.ndarray, np.ndarray],
         on_walls: dict[int, np.ndarray],
     ) -> None:
         """Find the candidates on the root; collective."""
@@ -290,6 +291,9 @@ class Proximity:
         frame = self.scene.domain.frame
         call(move_facets, frame, rigid, surface, near.cells, u, near.facets, self.scratch)
         marks, reach = np.zeros(len(surface.x), np.uint8), (self._reach.max(), frame.cell[0])
+        call(mark_between, surface, (table.first, table.members), meeting, reach[0], marks)
+        some = np.flatnonzero(marks)
+        marks[:] = 0
         key_of, strides = bins_of(surface.now[some], reach[0], self.scene.dimension)
         order = np.argsort(key_of, kind="stable")
         bins, count = (key_of, key_of[order], order), len(acts)
