@@ -28,7 +28,8 @@ TRAVEL, LONGEST = 0.25, 16
 
 _U = slice(DISPLACEMENT, DISPLACEMENT + 3)
 
-#: What a checkpoint has of each candidate, and its parts: displacements, facets, moving ones, these.
+#: What a checkpoint has of each candidate, and its parts: displacements, facets, moving ones,
+#: these.
 _KEPT = ("facet", "body", "other")
 _PARTS = 3 + len(_KEPT)
 
