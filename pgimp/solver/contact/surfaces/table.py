@@ -76,7 +76,8 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     surface = Surface(
         facets.x, facets.normal, facets.middle, facets.half, facets.area,
         np.asarray(np.bincount(facets.patch, facets.area), float)[facets.patch], facets.patch,
-        body, index, place, start, beside, np.full((len(body), 3), np.inf), np.zeros((len(body), 3)),
+        body, index, place, start, beside,
+        np.full((len(body), 3), np.inf), np.zeros((len(body), 3)),
     )  # fmt: skip
     keys = np.empty(len(numbers), np.int64)
     keys_of_vertices(_bits(frame, 1 + max(fields, default=0)), numbers, keys)
