@@ -8,7 +8,12 @@ from pgimp.decomposition.grid import aligned
 from pgimp.kernels.data.arguments import Field
 from pgimp.kernels.grid.image_values import copy_accelerations
 from pgimp.kernels.grid.mirror import fold_forces
-from pgimp.kernels.lagrangian.averaged_mass import MassRows, average_forces, find_accelerations
+from pgimp.kernels.lagrangian.averaged_mass import (
+    NUMBERS,
+    MassRows,
+    average_forces,
+    find_accelerations,
+)
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.averaging import averaged_parts
 from pgimp.scene.scene import Scene
@@ -66,7 +71,7 @@ class AveragedMass(StepPart):
         setting = frame, field, update.faces, forcing, scratch, A, reach
         mirrors = *domain.absorbing_mirrors, *domain.mirrors
         images = *domain.seams, *sorted(mirrors, key=lambda each: each.releases)  # as sums fold
-        if not (images or rank.slab.neighbours):
+        if not (images or rank.slaves or rank.slab.neighbours):
             # In pieces, whose forces are still in the cache; accelerations are ahead.
             size, ahead = max(1, _CACHED // half), 0
             for first in range(0, grid.planes, size):
@@ -76,12 +81,17 @@ class AveragedMass(StepPart):
                 rank.call(average_forces, field, A, reach, rows, (first, last), self._buffer)
             return
         rank.call(find_accelerations, *setting, every)
+        if rank.slaves:
+            own = A[reach * half : (reach + grid.planes) * half]
+            known = rank.slaves.spread(rank, own, 1, NUMBERS)
         for each in reversed(images):
             rank.call(copy_accelerations, frame, field, each, A, reach)
         self._exchange(rank, reach)
         rank.call(average_forces, field, A, reach, rows, every, self._buffer)
         for each in images:
             rank.call(fold_forces, frame, field, each, forcing.dt, update.ledger)
+        if rank.slaves:
+            rank.slaves.fold_averages(rank, self.alpha, known)
 
     def _exchange(self, rank: RankState, reach: int) -> None:
         """Get the accelerations of planes that only the neighbours have; collective."""

@@ -19,7 +19,8 @@ class Weighed(NamedTuple):
     id: np.ndarray  #: (n,) int64: The number.
     mass: np.ndarray  #: (n,) float64: alpha times the mass.
     first: np.ndarray  #: (n,) int64: Number of the first vertex of the support in its plane.
-    weights: np.ndarray  #: (n, D, vertices) float64: Weights along each direction.
+    #: (n, vertices, vertices or 1, vertices or 1) float64: Weights of the support's vertices.
+    weights: np.ndarray
 
     def chosen(self, which: np.ndarray) -> Weighed:
         """Some of them."""
@@ -41,17 +42,19 @@ def rows_of(particles: Weighed, uniform: np.ndarray, reach: int) -> tuple[np.nda
     planes, _, _, z = uniform.shape
     size = uniform[0].size if planes else 0
     # Most supports are corners of a cell only.
-    few = (particles.weights[:, :, 2:] == 0.0).all(axis=(1, 2))
+    beyond, D = particles.weights.copy(), 1 + sum(n > 1 for n in particles.weights.shape[2:])
+    beyond[:, :2, :2, :2] = 0.0
+    few = (beyond == 0.0).all(axis=(1, 2, 3))
     groups = [(2, particles.chosen(few)), (reach + 1, particles.chosen(~few))]
     wide = 2 * reach + 1
-    rel = np.meshgrid(*[np.arange(wide) - reach] * particles.weights.shape[1], indexing="ij")
+    rel = np.meshgrid(*[np.arange(wide) - reach] * D, indexing="ij")
     y, k = ([each.reshape(-1) for each in rel[1:]] + [np.zeros(1, np.int64)] * 2)[:2]
     distance = NUMBERS * (rel[0].reshape(-1) * size + y * z + k)
     start, vertex, count, column, value = [0], [], [], [], []
     for plane in range(planes):
         keys, values, others = [], [], uniform[plane].reshape(-1) == 0.0
         for vertices, group in groups:
-            for key, entries in _entries(group, plane, vertices, reach, z, others):
+            for key, entries in _entries(group, plane, (D, vertices), reach, z, others):
                 keys.append(key)
                 values.append(entries)
         key, entries = np.concatenate(keys), np.concatenate(values)
@@ -74,14 +77,15 @@ def rows_of(particles: Weighed, uniform: np.ndarray, reach: int) -> tuple[np.nda
 
 
 def _entries(
-    particles: Weighed, plane: int, vertices: int, reach: int, z: int, others: np.ndarray
+    particles: Weighed, plane: int, support: tuple[int, int], reach: int, z: int, others: np.ndarray
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Yield keys and values of a plane's rows that particles add, in the order of the sum.
 
     A key is the vertex's number in the plane times the number of distances, and that of its own.
-    `others` are the vertices that are not amid whole cells.
+    `support` are its directions and vertices along each. `others` are the vertices that are not
+    amid whole cells.
     """
-    D, wide = particles.weights.shape[1], 2 * reach + 1
+    (D, vertices), wide = support, 2 * reach + 1
     corners = list(product(range(vertices), repeat=D - 1))
     shift = np.array([vertex_offset(c, z) for c in corners])
     code = [[_code(a, b, reach) for b in corners] for a in corners]
@@ -89,16 +93,13 @@ def _entries(
     for a in reversed(range(vertices)):
         low, high = np.searchsorted(particles.layer, [plane - a, plane - a + 1])
         mine = particles.chosen(np.arange(low, high))
-        flat = np.ones((len(mine.mass), len(corners)))
-        for n, corner in enumerate(corners):
-            for d, i in enumerate(corner):
-                flat[:, n] *= mine.weights[:, 1 + d, i]
-        at = mine.first[:, None] + shift
-        own = mine.weights[:, 0, a, None] * flat
+        used = (slice(None), slice(vertices), *[slice(vertices)] * (D - 1))
+        weights = mine.weights[used].reshape(len(mine.mass), vertices, len(corners))
+        at, own = mine.first[:, None] + shift, weights[:, a]
         some = (own > 0.0) & others[np.where(own > 0.0, at, 0)]
         for b in range(vertices):
             # The product of weights comes first: rows are symmetric to the last bit.
-            pair = own[:, :, None] * (mine.weights[:, 0, b, None] * flat)[:, None, :]
+            pair = own[:, :, None] * weights[:, b][:, None, :]
             there = some[:, :, None] & (pair > 0.0)
             if a == b:
                 there &= ~np.eye(len(corners), dtype=bool)

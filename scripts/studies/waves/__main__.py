@@ -39,5 +39,6 @@ def main():
     if "pulse" in chosen:
         print(table(["mass", "error after 10 lengths", "height"], bars.rows(), measured))
     if "bodies" in chosen:
-        titles = ["body", "lumped, rms [%]", "averaged, rms [%]", "highest frequency over lumped"]
+        titles = ["first 12 modes, rms [%]", *(f"{a}, {b}" for a, b in bodies.WAYS),
+                  "highest over lumped, cut", "exact"]  # fmt: skip
         print(table(titles, bodies.rows(), measured))

@@ -7,7 +7,7 @@ import pytest
 from scenes import finish, scene, start
 
 from pgimp.errors import CaseError
-from pgimp.kernels.data.motion import KEPT_MASS, KEPT_VELOCITY
+from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_MASS, KEPT_VELOCITY
 from pgimp.kernels.data.record import RECORD
 from pgimp.solver.lagrangian.masters import Vertices
 
@@ -201,6 +201,70 @@ def test_spin_momentum_and_energy_of_vertices():
         np.testing.assert_allclose(last[name], first[name], rtol=1e-12)
     energy = [line["kinetic-energy"] + line["strain-energy"] for line in (first, last)]
     np.testing.assert_allclose(*energy, rtol=2e-3)
+
+
+def folding(sim, shape):
+    """The matrix T, from vertices that move by themselves to all of them, and the slaves."""
+    slaves, ghost, D = sim.rank.slaves, sim.scene.domain.frame.ghost, len(shape)
+    at = [
+        np.ravel_multi_index([n - ghost for n in Vertices.numbers(sim.rank, keys)[:D]], shape)
+        for keys in (slaves.keys, slaves.masters)
+    ]
+    T = np.eye(np.prod(shape))
+    T[at[0]] = 0.0
+    np.add.at(T, (at[0][:, None], at[1][slaves.of]), slaves.weights)
+    return T, at[0]
+
+
+@pytest.mark.parametrize("D", [2, 3])
+def test_averaged_mass(D):
+    """Accelerations, energy and spin by L + alpha (C - L), of vertices that move by themselves."""
+    centre, shape = [3.13, 2.91, 2.83][:D], (7,) * D
+    ball = exact({"ball": {"centre": centre, "radius": 2.2}})
+    rng, sims, v = np.random.default_rng(3), {}, None
+    for mass in ("lumped", "averaged"):
+        case = scene(D, ball, cells=[6] * D)
+        case["method"]["mass"] = mass
+        sim = sims[mass] = start(case)
+        kept, ghost = sim.rank.grid.kept.values.reshape(-1, RECORD), sim.scene.domain.frame.ghost
+        window, number = sim.rank.grid.window, np.indices(shape).reshape(D, -1)
+        place = [n + ghost - low for n, low in zip(number, window.lower, strict=False)]
+        here = sum(n * (stride // RECORD) for n, stride in zip(place, window.stride, strict=False))
+        v = 0.01 * rng.normal(size=(len(here), D)) if v is None else v
+        T, slaves = folding(sim, shape)
+        assert len(slaves)
+        some = kept[here, KEPT_MASS] > 0.0
+        kept[here[some], KEPT_VELOCITY : KEPT_VELOCITY + D] = v[some]
+        kept[here[slaves], KEPT_VELOCITY : KEPT_VELOCITY + D] = (T @ v)[slaves]
+        sim.advance()
+        before = kept[here, KEPT_VELOCITY : KEPT_VELOCITY + D].copy()
+        sim.advance()
+        sims[mass] = sim, kept[here, KEPT_VELOCITY : KEPT_VELOCITY + D] - before
+
+    # The averaged mass of the particles' weights.
+    (sim, found), lumped = sims["averaged"], sims["lumped"][1]
+    p, rows, alpha = sim.particles, sim.live(), sim.rank.averaged_mass.alpha[0]
+    N, _, cells = corners(sim)
+    W = np.zeros((len(rows), T.shape[0]))
+    at = np.ravel_multi_index(np.moveaxis(cells, -1, 0), shape)
+    np.put_along_axis(W, at, N, axis=1)
+    C = (W @ T).T @ (p.m[rows][:, None] * (W @ T))
+    L = C.sum(axis=1)
+    np.testing.assert_allclose(kept[here, KEPT_MASS], L, atol=1e-13)
+    inside = L > 0.0
+    change = np.zeros_like(lumped)
+    change[inside] = (C[inside] @ lumped - (L[:, None] * lumped)[inside]) / L[inside, None]
+    expected = T @ (lumped * inside[:, None] - alpha * change)
+    np.testing.assert_allclose(found, expected, atol=1e-9 * np.abs(lumped).max())
+    assert np.abs(alpha * change).max() > 0.1 * np.abs(lumped).max()
+    # Ledgers.
+    M, v = (1.0 - alpha) * np.diag(L) + alpha * C, kept[here, KEPT_VELOCITY : KEPT_VELOCITY + D]
+    line = sim.diagnostics()
+    assert line["kinetic-energy"] == pytest.approx(0.5 * (v * (M @ v)).sum(), rel=1e-12)
+    x = number.T + kept[here, DISPLACEMENT : DISPLACEMENT + D]
+    momentum = M @ v
+    spin = (x[:, 0] * momentum[:, 1] - x[:, 1] * momentum[:, 0])[inside].sum()
+    assert line["angular-momentum-z"] == pytest.approx(spin, rel=1e-12)
 
 
 def thin(step):

@@ -4,7 +4,13 @@ from exact_cases import bar, ramp, ring
 from loaded_block import loaded
 
 from rank_scenes.arrivals import lifts, pours, streams
-from rank_scenes.averaged import averaged_contact, averaged_grip, averaged_lattice, averaged_layers
+from rank_scenes.averaged import (
+    averaged_contact,
+    averaged_grip,
+    averaged_lattice,
+    averaged_layers,
+    averaged_surfaces,
+)
 from rank_scenes.damped_bodies import damped, dug, heavy, pressed, quaking, settled, soaked
 from rank_scenes.entries import GRID, PAIR
 from rank_scenes.flights import (
@@ -89,6 +95,7 @@ SCENES = (
             averaged_contact,
             averaged_layers,
             averaged_grip,
+            averaged_surfaces,
             both_configurations,
             damped,
             settled,
