@@ -77,8 +77,7 @@ def averaged(rng, scene):
     """Averaged mass, of all bodies or of some, where they are in the initial configuration."""
     case = scene.case
     begun = [b for b in case["bodies"].values() if b.get("configuration") == "initial"]
-    exact = any(body.get("surface") == "exact" for body in begun)
-    if not begun or exact or case["method"]["shape"] == "mpm":
+    if not begun or case["method"]["shape"] == "mpm":
         return False
     if len(begun) == len(case["bodies"]) and rng.random() < 0.6:
         case["method"]["mass"] = "averaged"
