@@ -30,9 +30,11 @@ from pgimp.kernels.data.velocity_fields import field_count, field_size
 from pgimp.kernels.grid.conditions import Holding, hold
 from pgimp.kernels.grid.constraints import constrained_rate, is_marked
 from pgimp.kernels.grid.faces import box_of, face_count
-from pgimp.kernels.lagrangian.sums import vertex_count, weight_of
+from pgimp.kernels.lagrangian.sums import vertex_count
 from pgimp.kernels.transfer.lane_io import LANES, four_rows
-from pgimp.kernels.transfer.supports import SUPPORT_SIZE, first_offset, supports
+from pgimp.kernels.transfer.parts import corner_weights
+from pgimp.kernels.transfer.supports import SUPPORT_SIZE, entry, first_offset, supports
+from pgimp.physics.shapes.base import by_parts
 
 #: Numbers of a vertex in the array of accelerations: one that is 0, and three components.
 NUMBERS = 4
@@ -226,21 +228,24 @@ def find_weights(setting, window, particles, order, first, weights):
         See `KernelScene`, `Window`, `Particles`, `Order`.
     first : (n,) int64
         Set to the offset of the first vertex's record in its plane.
-    weights : (n, most, most or 1, most or 1) float64
-        Set to the weights of the vertices; zeros stay where a support has fewer of them.
+    weights : (n, D, 4) float64, or (n, 2^D) float64
+        Set to the weights along each direction; zeros stay where a support has fewer vertices. Of
+        parts of cells those of the cell's corners, the last direction innermost.
     """
     shape, frame, start = setting.shape, setting.frame, order.start
     D, buffer = len(setting.frame.origin), stack(SUPPORT_SIZE)
     vertices = vertex_count(shape)
-    ny, nz = vertices if D > 1 else 1, vertices if D > 2 else 1
     for layer in range(len(start) - 1):
         for k in range(start[layer], start[layer + 1], LANES):
             four = four_rows(order.rows, k, start[layer + 1])
             supports(shape, frame, window, particles, four, layer + window.lower[0], buffer, ())
             for j in range(min(LANES, start[layer + 1] - k)):
                 first[k + j] = first_offset(buffer, j)
-                for a in range(vertices):
-                    for b in range(ny):
-                        for c in range(nz):
-                            w = weight_of(shape, buffer, j, (a, b, c)[:D])
-                            weights[k + j, a, b, c] = w
+                if by_parts(shape):
+                    for n in range(2**D):
+                        corner = tuple(n >> (D - 1 - d) & 1 for d in range(D))
+                        weights[k + j, n] = corner_weights(buffer, j, corner)[0]
+                    continue
+                for d in range(D):
+                    for i in range(vertices):
+                        weights[k + j, d, i] = entry(buffer, d, 0, i, j)

@@ -26,7 +26,7 @@ def _coordinate(frame, window, d, number):
 
 
 @inlined
-def weight_of(shape, buffer, j, corner):
+def _weight(shape, buffer, j, corner):
     """Weight of a vertex of particle `j`, by its numbers along all directions."""
     if by_parts(shape):
         return corner_weights(buffer, j, corner)[0]
@@ -86,7 +86,7 @@ def motion_sums(setting, field, particles, order, lumped, sums):
                 for a in range(vertices):
                     for b in range(ny):
                         for c in range(nz):
-                            w = weight_of(shape, buffer, j, (a, b, c)[:D])
+                            w = _weight(shape, buffer, j, (a, b, c)[:D])
                             r = begin + a * window.stride[0] + b * window.stride[1] + c * RECORD
                             if w == 0.0:
                                 continue

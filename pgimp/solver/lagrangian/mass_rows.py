@@ -115,12 +115,15 @@ def _weigh(rank: RankState, rows: np.ndarray, layer: np.ndarray, mass: np.ndarra
     scene, p = rank.scene, rank.population.columns
     setting = scene.setting_lagrangian if scene.settings.mixed else scene.setting
     start = np.searchsorted(layer, np.arange(rank.slab.layers + 1)).astype(np.int64)
-    size = [rank.grid.vertices] * scene.dimension + [1] * (3 - scene.dimension)
+    by_corners = scene.settings.exact_surfaces.any()
+    size = (2**scene.dimension,) if by_corners else (scene.dimension, 4)
     first, weights = np.zeros(len(rows), np.int64), np.zeros((len(rows), *size))
     rank.call(
         find_weights, setting.without_materials(), rank.grid.window, p, Order(rows, start),
         first, weights,
     )  # fmt: skip
+    if not by_corners:
+        weights = weights[:, :, : rank.grid.vertices]
     weights[weights < _LEAST] = 0.0
     return Weighed(layer, p.id[rows].astype(np.int64), mass, first // RECORD, weights)
 
@@ -169,10 +172,10 @@ def _touched(rank: RankState, loose: Weighed, shape: tuple[int, ...], reach: int
     """Whether particles that are in no whole cell have weight at vertices; collective."""
     found = np.zeros(shape, bool)
     flat, plane = found.reshape(-1), int(np.prod(shape[1:]))
-    for corner in np.ndindex(loose.weights.shape[1:]):
-        some = loose.weights[(slice(None), *corner)] > 0.0
+    D, vertices = loose.support
+    for corner in product(range(vertices), repeat=D):
         offset = corner[0] * plane + vertex_offset(corner[1:], shape[3])
-        flat[(loose.layer * plane + loose.first + offset)[some]] = True
+        flat[(loose.layer * plane + loose.first + offset)[loose.touches(corner)]] = True
     below, above = _swap(rank, found[:reach], found[rank.slab.layers :])
     if below is not None:
         found[:reach] |= below
