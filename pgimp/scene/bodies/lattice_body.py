@@ -20,7 +20,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from pgimp.geometry.measure import measure
+from pgimp.geometry.measure import MONOMIALS, measure
 from pgimp.geometry.regions.base import Region
 from pgimp.scene.bodies.merge import merge_small
 from pgimp.scene.bodies.volume_fractions import Indices, Ranges, Reals, VolumeFractions
@@ -169,8 +169,11 @@ class LatticeBody:
             if found is None:
                 return None
             whole, indices, fractions, moments = found
-            more = np.zeros((len(moments), self._width - moments.shape[1]))
-            fractions, moments = self._rounded(fractions, np.concatenate([moments, more], axis=1))
+            centroid = moments / np.where(fractions > 0.0, fractions, 1.0)[:, None]
+            for axes in MONOMIALS[len(ranges) - 1][1 + len(ranges) : 1 + self._width]:
+                product = fractions * centroid[:, axes].prod(axis=1)  # none about the centroid
+                moments = np.concatenate([moments, product[:, None]], axis=1)
+            fractions, moments = self._rounded(fractions, moments)
             whole[indices] = fractions == 1.0
             keep = (fractions > 0.0) & (fractions != 1.0)
             # Inside boxes are many: kept as bits.

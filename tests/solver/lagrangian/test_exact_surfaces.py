@@ -267,6 +267,19 @@ def test_averaged_mass(D):
     assert line["angular-momentum-z"] == pytest.approx(spin, rel=1e-12)
 
 
+def test_parts_of_a_mesh_have_no_products(tmp_path):
+    """A square of lines is as the box; weights of a slanted one's parts are never negative."""
+    path, found = tmp_path / "square.obj", []
+    places = [(1.37, 1.21), (5.37, 1.21), (5.37, 5.21), (1.37, 5.21)]
+    path.write_text("\n".join([*(f"v {x} {y} 0" for x, y in places), "l 1 2 3 4 1", ""]))
+    for turn in ({}, {"rotate": 30.0, "translate": [3.0, 0.0]}):
+        found.append(start(scene(2, exact({"mesh": {"file": str(path)} | turn}), cells=[9, 9])))
+    (square, slanted), box = found, start(block((1.37, 1.21)))
+    for a, b in zip(box.particles, square.particles, strict=True):
+        np.testing.assert_allclose(b[square.live()], a[box.live()], atol=1e-12)
+    assert next(corners(slanted)).min() > -1e-12
+
+
 def thin(step):
     """A plate of a quarter of a cell, just across a plane of vertices."""
     region = {"box": {"min": [1.3, 2.97], "max": [6.4, 3.25]}}
@@ -289,12 +302,14 @@ def test_a_thin_ring_is_stable_up_to_what_its_vertices_bear():
     balls = [{"ball": {"centre": [9.0, 9.0], "radius": radius}} for radius in (8.0, 7.43)]
     turn = {"velocity": {"rotation": {"about": [9.0, 9.0], "rate": 0.01}}}
 
-    def ring(courant):
-        body = exact({"difference": balls}, **turn)
+    def ring(courant, **more):
+        body = exact({"difference": balls}, **turn, **more)
         return scene(2, body, cells=[18, 18], end=40.0, step={"courant": courant})
 
     with pytest.raises(CaseError, match=r"stable up to the Courant number 0\.5\d; .* has 0\.65"):
         start(ring(0.65))
+    with pytest.raises(CaseError, match=r"stable up to the Courant number 0\.4\d; .* has 0\.5"):
+        start(ring(0.5, mass="averaged"))
     sim = start(ring(0.5))
     first = sim.diagnostics()["kinetic-energy"]
     finish(sim)
