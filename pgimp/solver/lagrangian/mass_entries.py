@@ -40,10 +40,8 @@ class Weighed(NamedTuple):
     def touches(self, corner: tuple[int, ...]) -> np.ndarray:
         """Whether each has a weight at a vertex of its support, (n,)."""
         if self.weights.ndim == 2:
-            found = self.weights[:, int("".join(map(str, corner)), 2)] > 0.0
-        else:
-            found = (self.weights[:, range(len(corner)), corner] > 0.0).all(axis=1)
-        return np.asarray(found)
+            return np.asarray(self.weights[:, int("".join(map(str, corner)), 2)] > 0.0)
+        return np.asarray((self.weights[:, range(len(corner)), corner] > 0.0).all(axis=1))
 
     def by_plane(self, vertices: int) -> np.ndarray:
         """Weights of the first vertices along each direction, (n, vertices, vertices^(D - 1))."""
