@@ -77,7 +77,10 @@ def _within(cells, *regions):
 
 
 def exact_round():
-    """Bodies exact to their surface across seams, cut near them: a disk, and a bar with a grip."""
+    """Bodies exact to their surface across seams, cut near them: a disk, and a bar with a grip.
+
+    The disk has an averaged mass, as the ball of the rings.
+    """
     balls = [{"ball": {"centre": [x, y], "radius": 1.9}} for x in (0.3, 18.3) for y in (0.4, 9.4)]
     bars = [
         {"box": {"min": [low, 4.02], "max": [high, 5.97]}} for low, high in ((0, 2.6), (13.9, 18))
@@ -89,7 +92,9 @@ def exact_round():
         2,
         {
             "bar": {"material": "soft", "region": _within([18.0, 9.0], *bars)} | more,
-            "disk": {"material": "stiff", "region": _within([18.0, 9.0], *balls)} | more,
+            "disk": {"material": "stiff", "region": _within([18.0, 9.0], *balls)}
+            | more
+            | {"mass": "averaged"},
         },
         cells=[18, 9],
         shape="finite-gimp",
@@ -116,7 +121,9 @@ def exact_rings():
     case = scene(
         2,
         {
-            "ball": {"material": "stiff", "region": _within([18.0, 9.0], *balls)} | more,
+            "ball": {"material": "stiff", "region": _within([18.0, 9.0], *balls)}
+            | more
+            | {"mass": "averaged"},
             "tube": {"material": "soft", "region": tube, "velocity": [0.0, 1.0]} | more,
         },
         cells=[18, 9],
