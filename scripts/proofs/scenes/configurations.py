@@ -44,30 +44,32 @@ def initial(rng, scene):
 
 
 def _thick(body, cells):
-    """Whether a body is a box or ball of three cells and more in each direction."""
+    """Whether a body is a box or ball of two cells and more in each direction."""
     region = body.get("region", {})
     if box := region.get("box"):
         sides = [high - low for low, high in zip(box["min"], box["max"], strict=True)]
-        return all(side >= 3.0 * h for side, h in zip(sides, cells, strict=True))
+        return all(side >= 2.0 * h for side, h in zip(sides, cells, strict=True))
     ball = region.get("ball")
-    return bool(ball) and ball["radius"] >= 1.5 * max(cells)
+    return bool(ball) and ball["radius"] >= max(cells)
 
 
 def exact_surfaces(rng, scene):
-    """Bodies exact to their surface, where all are in the initial configuration, alone."""
+    """Bodies exact to their surface, some if not all, where all are in the initial configuration.
+
+    Of thin ones, or from files, there are none: steps would be refused.
+    """
     case = scene.case
-    bodies, method, walls = case["bodies"], case["method"], case["boundaries"]
+    solids = [body for body in case["bodies"].values() if "rigid" not in body]
+    thick = [body for body in solids if _thick(body, case["grid"]["cell"])]
     if (
         case["dimensions"] == 1
-        or method.get("volumetric") == "mean"
-        or method["shape"] not in ("gimp", "finite-gimp", "mpm", "cpdi")
-        or "contact" in case
-        or any("separating" in kind for kind in walls.values())
-        or any(body.get("configuration") != "initial" for body in bodies.values())
-        or not all(_thick(body, case["grid"]["cell"]) for body in bodies.values())
+        or case["method"]["shape"] not in ("gimp", "finite-gimp", "mpm", "cpdi")
+        or any(body.get("configuration") != "initial" for body in solids)
+        or any("points" in body["region"] for body in solids)
+        or not thick
     ):
         return False
-    for body in bodies.values():
+    for body in thick:
         body["surface"] = "exact"
     return True
 
