@@ -30,8 +30,9 @@ FADES = 0.005
 #: Iterations for the level, at most, and the change over d that ends them.
 _NEWTON, _EXACT = 40, 1e-12
 
-#: Cells of gap above which a patch has no pair.
-NEAR = 0.25
+#: Cells of gap above which a patch has no pair. Over the greatest distance of a vertex in the step
+#: the gap above which it has none either, and cells of gap at which it always has one.
+NEAR, SOON, TOUCHES = 0.25, 4.0, 1e-3
 
 #: Cells by which overlapping surfaces part in a step, at most.
 PARTS = 1e-3
@@ -88,7 +89,7 @@ def _add_place(D, cells, c, place, part, r, used, seen, coupling):
 
 
 @inner_kernel
-def _set_pair(contact, surface, every, first, last, cell, dt, end, row, rigid):
+def _set_pair(contact, surface, every, first, last, cell, travel, dt, end, row, rigid):
     """Set the state of a pair, given its facets; returns 0 unless they may touch.
 
     It is 2 if the other body comes first, else 1. `cell` is the least side of a cell.
@@ -103,7 +104,8 @@ def _set_pair(contact, surface, every, first, last, cell, dt, end, row, rigid):
     least = inf
     for n in range(first, last):
         least = min(least, every[n].gap)
-    if not least < NEAR * cell:
+    reach = pairs.adhesion[entry - 1, 2]
+    if not least < (NEAR * cell if tied else min(NEAR * cell, max(SOON * travel, reach))):
         return 0
     level = least if tied else _level(surface, every, first, last, least, FADES * cell)
     clear_pair(row)
@@ -131,7 +133,7 @@ def _set_pair(contact, surface, every, first, last, cell, dt, end, row, rigid):
         row.normal[d] /= sqrt(square)
         rigid[2, d] /= whole
     row.gap_rate = max(gap, -PARTS * cell) / dt
-    normal, shear, reach = pairs.adhesion[entry - 1]
+    normal, shear, _ = pairs.adhesion[entry - 1]
     if max(gap, 0.0) < reach:
         row.adhesion, row.shear_adhesion = normal * row.area * dt, shear * row.area * dt
     # Weights of the facets, for the rows.
@@ -159,7 +161,7 @@ def _set_rigid_velocity(rigid_bodies, s, rigid, side):
 
 @kernel
 def find_patch_pairs(
-    contact, frame, surface, cells, every, dt, scratch, contact_pairs, coupling
+    contact, frame, surface, cells, every, dt, fastest, scratch, contact_pairs, coupling
 ) -> tuple[int, int, int]:
     """Find the pairs of patches and other bodies, and their rows.
 
@@ -169,6 +171,8 @@ def find_patch_pairs(
         Laws and rigid bodies.
     every : (n,) NEAR_FACET
         Facets with their gaps, by patch and other body; gaps become weights.
+    fastest : float
+        Greatest speed of a vertex or of a rigid body.
     scratch : ((m, NUMBERS) float64, (2, m) int64)
         The records of `ReferenceVertices`, and scratch.
     contact_pairs : ContactPairs
@@ -185,6 +189,7 @@ def find_patch_pairs(
     cell = frame.cell[0]
     for d in range(D):
         cell = min(cell, frame.cell[d])
+    travel = fastest * dt + TOUCHES / SOON * cell
     seen[0, :] = -1
     pairs, rows, used, first, start = 0, 0, 0, 0, coupling.start
     start[0] = 0
@@ -198,7 +203,7 @@ def find_patch_pairs(
             last += 1
         end, rigid = contact_pairs.ends[pairs], contact_pairs.rigid[pairs]
         row = contact_pairs.states[pairs]
-        order = _set_pair(contact, surface, every, first, last, cell, dt, end, row, rigid)
+        order = _set_pair(contact, surface, every, first, last, cell, travel, dt, end, row, rigid)
         if order > 0:
             for side in range(2):
                 body = end.bodies[side]

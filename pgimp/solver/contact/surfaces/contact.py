@@ -48,6 +48,7 @@ class SurfaceContact(LagrangianContact):
         self._table: Table | None = None
         self._slaves: object = None
         self._acts = np.zeros((0, 0), np.uint8)
+        self._rate = 0.0
 
     def moved(self) -> None:
         """See `NoContact.moved`."""
@@ -64,6 +65,7 @@ class SurfaceContact(LagrangianContact):
         if free:
             free.begin(rigid_bodies, t, forcing.gravity)
         table, rate = self._known(rank), max(every.rate, free.rate if free else 0.0)
+        self._rate = rate
         self._proximity.update(rank, table, self._acts, rigid_bodies, t.dt, rate)
         near = self._proximity.near
         assert near is not None
@@ -137,11 +139,12 @@ class SurfaceContact(LagrangianContact):
         most = len(every)
         pairs, seen = ContactPairs.empty(most), np.empty((2, len(near.keys)), np.int64)
         vertices, counts = (flat(values), seen), [0, 0]
+        fastest = float(np.abs(values["velocity"]).max(initial=0.0)) + self._rate * min(frame.cell)
 
         def fill(coupling: Coupling) -> int:
             counts[0], counts[1], used = call(
-                find_patch_pairs, self._contact, frame, surface, cells, every.copy(), dt, vertices,
-                pairs, coupling,
+                find_patch_pairs, self._contact, frame, surface, cells, every.copy(), dt, fastest,
+                vertices, pairs, coupling,
             )  # fmt: skip
             return int(used)
 
