@@ -70,22 +70,52 @@ def _share(area, gap, level, tied):
 
 
 @inner_kernel
-def _add_place(D, cells, c, place, part, r, used, seen, coupling):
-    """Add a place's share to row `r`; returns the number of entries."""
+def _add_cell(D, cells, c, sums, r, used, seen, coupling):
+    """Add to row `r` the sums over places in a cell, by its vertices; clears the sums.
+
+    Returns the number of entries.
+    """
     column, entry = coupling.column, coupling.entry
     for k in range(cells.start[c], cells.start[c + 1]):
         w, j = 0.0, cells.column[k]
         for corner in range(1 << D):
-            w += cells.weight[k, corner] * hat(D, place, corner)
+            w += cells.weight[k, corner] * sums[corner]
         if w == 0.0:
             continue
         if seen[0, j] != r:
             if used < len(column):
-                seen[0, j], seen[1, j], column[used], entry[used, 0] = r, used, j, part * w
+                seen[0, j], seen[1, j], column[used], entry[used, 0] = r, used, j, w
             used += 1
         elif seen[1, j] < len(column):
-            entry[seen[1, j], 0] += part * w
+            entry[seen[1, j], 0] += w
+    for corner in range(1 << D):
+        sums[corner] = 0.0
     return used
+
+
+@inner_kernel
+def _add_row(D, surface, cells, every, first, last, own, r, used, scratch, coupling):
+    """Add the row `r` of a patch's own body, or of the other; returns the number of entries.
+
+    `every` has weights in place of gaps.
+    """
+    _, seen, sums = scratch
+    c = -1
+    for n in range(first, last):
+        part = every[n].gap
+        if part == 0.0:
+            continue
+        f = every[n].facet if own else every[n].other
+        if surface.cell[f] != c:
+            if c >= 0:
+                used = _add_cell(D, cells, c, sums, r, used, seen, coupling)
+            c = surface.cell[f]
+        for corner in range(1 << D):
+            if own:
+                sums[corner] += part * hat(D, surface.place[f], corner)
+            else:
+                sums[corner] += part * hat(D, every[n].place, corner)
+    return _add_cell(D, cells, c, sums, r, used, seen, coupling) if c >= 0 else used
 
 
 @inner_kernel
@@ -173,7 +203,7 @@ def find_patch_pairs(
         Facets with their gaps, by patch and other body; gaps become weights.
     fastest : float
         Greatest speed of a vertex or of a rigid body.
-    scratch : ((m, NUMBERS) float64, (2, m) int64)
+    scratch : ((m, NUMBERS) float64, (2, m) int64, (2^D,) float64)
         The records of `ReferenceVertices`, and scratch.
     contact_pairs : ContactPairs
         With room for a pair each `n`.
@@ -185,12 +215,13 @@ def find_patch_pairs(
     tuple of 3 int
         Numbers of pairs, rows and entries.
     """
-    D, (numbers, seen) = len(frame.cell), scratch
+    D, (numbers, seen, sums) = len(frame.cell), scratch
     cell = frame.cell[0]
     for d in range(D):
         cell = min(cell, frame.cell[d])
     travel = fastest * dt + TOUCHES / SOON * cell
     seen[0, :] = -1
+    sums[:] = 0.0
     pairs, rows, used, first, start = 0, 0, 0, 0, coupling.start
     start[0] = 0
     while first < len(every):
@@ -214,21 +245,9 @@ def find_patch_pairs(
                     _set_rigid_velocity(contact.rigid_bodies, -1 - body, rigid, side)
                     continue
                 end.rows[side] = rows
-                for n in range(first, last):
-                    part = every[n].gap
-                    if part == 0.0:
-                        continue
-                    k = every[n].facet
-                    if own:
-                        used = _add_place(
-                            D, cells, surface.cell[k], surface.place[k], part, rows, used, seen,
-                            coupling,
-                        )  # fmt: skip
-                    else:
-                        used = _add_place(
-                            D, cells, surface.cell[every[n].other], every[n].place, part, rows,
-                            used, seen, coupling,
-                        )  # fmt: skip
+                used = _add_row(
+                    D, surface, cells, every, first, last, own, rows, used, scratch, coupling
+                )
                 start[rows + 1] = used
                 if used <= len(coupling.column):
                     set_answer(coupling, rows, numbers)
