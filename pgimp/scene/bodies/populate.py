@@ -88,7 +88,7 @@ def populate(
         if scene.case.axisymmetric and block.rows is None:  # files have the volumes of rings
             p.V0[rows] = p.V[rows] = p.V[rows] * scene.domain.circumference(block.centroids)
         if scene.carried.surfaces:
-            p.offset[rows] = block.centroids - p.x[rows]
+            p.offset[rows] = block.centroids - block.positions
             p.excess[rows, 0] = lattice.excess(block)
         p.m[rows] = p.V0[rows] * scene.materials.parameters[material].density  # (4)
         if block.saved:

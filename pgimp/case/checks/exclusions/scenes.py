@@ -106,7 +106,6 @@ SCENES = (
             (f.mean, "does not know mean dilatation yet"),
             (f.axisymmetric, "does not know rings yet"),
             (f.points, "is for bodies on the lattice, but '{b.name}' comes from a file"),
-            (f.meetings, "does not know {b.name} yet"),
             (f.averaged, "does not know the averaged mass yet"),
             (g.periodic, "does not know periodic faces yet"),
         )
