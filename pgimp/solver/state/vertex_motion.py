@@ -144,8 +144,13 @@ def _find_slaves(rank: Rank) -> None:
     keys = vertex_keys(grid, shape[1]).transpose(0, 3, 1, 2)
     frame = scene.domain.frame
     faces = [
-        (face.axis, frame.ghost + (frame.cells[face.axis] if face.side > 0 else 0))
+        (
+            face.axis,
+            frame.ghost + (frame.cells[face.axis] if face.side > 0 else 0),
+            face.condition.motion(0.0) is not None,
+        )
         for face in scene.domain.faces
+        if not face.condition.approaches
     ]
     rank.slaves.find(rank, Vertices(rank, keys, held, exact, faces), masses)
     rank.slaves.fold_masses(rank)
