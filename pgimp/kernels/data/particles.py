@@ -221,9 +221,10 @@ class Particles(NamedTuple):
     bearing: Annotated[
         FloatArray,
         Column(
-            "likewise of its part of each loaded surface, about that part's centroid",
-            "length^2, length^3",
-            lambda c: c.surfaces_loaded * c.products,
+            "likewise of its part of each loaded surface, about that part's centroid; then "
+            "integrals of these products over the area vector, by its components",
+            "length^2, length^3; length^2 area, length^3 area",
+            lambda c: c.surfaces_loaded * c.products * (1 + c.dimensions),
         ),
     ]
 

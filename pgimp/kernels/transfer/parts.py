@@ -167,6 +167,42 @@ def scatter_parts(G, support, offset, stride, share, corner=()):
 
 
 @inlined
+def bend_weights(buffer, j, corner):
+    """Mixed derivatives of a corner's function at a centroid, in the order of the products."""
+    at = tuple(48 * d + 4 * corner[d] + j for d in range(len(corner)))
+    n, g = tuple(number(buffer, k) for k in at), tuple(number(buffer, k + 16) for k in at)
+    if len(n) == 1:
+        return ()
+    if len(n) == 2:
+        return (g[0] * g[1],)
+    return n[0] * g[1] * g[2], n[1] * g[0] * g[2], n[2] * g[0] * g[1], g[0] * g[1] * g[2]
+
+
+@inlined
+def scatter_bends(G, support, offset, stride, bends, like, corner=()):
+    """Add forces of higher moments, vectors, by the mixed derivatives of the corners' functions."""
+    if len(corner) < len(like):
+        scatter_bends(G, support, offset, stride[1:], bends, like, (*corner, 0))
+        scatter_bends(G, support, offset + stride[0], stride[1:], bends, like, (*corner, 1))
+        return
+    weights = bend_weights(support.buffer, support.j, corner)
+    if len(weights) == 0:
+        return
+    store(G, offset + 4, load(G, offset + 4) + _force(0.0, weights, (), bends))
+
+
+@inlined
+def gather_bends(G, support, offset, stride, half, like, corner=()):
+    """Mixed derivatives of what `gather_between` has the mean of."""
+    if len(corner) < len(like):
+        D = gather_bends(G, support, offset, stride[1:], half, like, (*corner, 0))
+        E = gather_bends(G, support, offset + stride[0], stride[1:], half, like, (*corner, 1))
+        return plus_scaled(1.0, D, E)
+    u = load(G, offset) - half * load(G, offset + 4)
+    return tuple(g * u for g in bend_weights(support.buffer, support.j, corner))
+
+
+@inlined
 def gather_parts(G, support, offset, stride, like, corner=()):
     """See `pgimp.kernels.transfer.gather.gather`; there is no `mean` and no hoop."""
     if len(corner) < len(like):

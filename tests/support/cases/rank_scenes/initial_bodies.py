@@ -152,7 +152,7 @@ def initial_contact():
 
 
 def exact_contact():
-    """The same of bodies exact to their surface, cut anywhere; what is tied comes off in a stage."""
+    """The same of bodies exact to their surface, cut anywhere; a tie ends in a stage."""
     case = initial_contact()
     bodies = case["bodies"]
     places = {
