@@ -8,7 +8,7 @@ from scenes import finish, scene, start
 
 from pgimp.errors import CaseError
 from pgimp.kernels.data.motion import KEPT_MASS, KEPT_VELOCITY
-from pgimp.kernels.data.record import RECORD
+from pgimp.kernels.data.record import FORCE, RECORD
 from pgimp.solver.lagrangian.masters import Vertices
 
 pytestmark = pytest.mark.slow(60)
@@ -147,6 +147,34 @@ def test_uniform_stress_under_a_traction(low):
     np.testing.assert_allclose(last["traction.top-y"], PUSH * SIZE, rtol=2e-3)
     assert abs(last["traction.top-y"] + last["traction.bottom-y"]) < 1e-5 * PUSH * SIZE
     assert abs(last["momentum-x"]) < 1e-12
+
+
+@pytest.mark.parametrize("D", [2, 3])
+def test_a_pressure_all_round_balances_uniform_stress(D):
+    """At every vertex, wherever a round surface cuts cells: forces of the load and the stress."""
+    ball = {"ball": {"centre": [3.13, 2.91, 3.27][:D], "radius": 2.2}}
+    load = {
+        "body": "body",
+        "pressure": -1.0,
+        "region": {"box": {"min": [0.0] * D, "max": [6.0] * D}},
+    }
+    sim = start(scene(D, exact(ball), cells=[6] * D, tractions={"all": load}))
+    _, dN, cells = corners(sim)
+    volume, force = sim.particles.V0[sim.live()], np.zeros((*[7] * D, D))
+    truth = at_vertices((7,) * D, cells, volume[:, None, None] * dN)
+    fold, grid = sim.rank.slaves.add_forces, sim.rank.grid
+
+    def keep(rank, update):
+        G = grid.by_vertex(grid.G)[:, 0, ..., FORCE : FORCE + D]
+        first = np.array(grid.window.lower[:D]) - sim.scene.domain.frame.ghost
+        for place in np.argwhere((G != 0.0).any(axis=-1)):
+            force[tuple(place[:D] + first)] = G[tuple(place)]
+        fold(rank, update)
+
+    sim.rank.slaves.add_forces = keep
+    sim.advance()
+    assert np.abs(force.sum(axis=tuple(range(D)))).max() < 1e-12
+    assert np.abs(force - truth).max() < 1e-4 * np.abs(truth).max()
 
 
 def test_faces_and_regions_give_the_same():
