@@ -165,12 +165,11 @@ class LatticeBody:
     def _fill(self, ranges: Ranges) -> VolumeFractions | None:
         """Volume fractions from a region that measures all boxes itself, else None."""
         if (key := tuple(ranges)) not in self._filled:
-            found = self.region.fill(self.edges, ranges)
+            found = self.region.fill(self.edges, ranges, self.exact)
             if found is None:
                 return None
             whole, indices, fractions, moments = found
-            more = np.zeros((len(moments), self._width - moments.shape[1]))
-            fractions, moments = self._rounded(fractions, np.concatenate([moments, more], axis=1))
+            fractions, moments = self._rounded(fractions, moments)
             whole[indices] = fractions == 1.0
             keep = (fractions > 0.0) & (fractions != 1.0)
             # Inside boxes are many: kept as bits.

@@ -78,11 +78,13 @@ def find_elements(
         if (d, 1) in closed:
             ranges[d] = ranges[d][ranges[d] < len(e) - 1]
     cuts = (body.region, within) if body.exact else ()
-    found = (
-        _cut_elements(body, ranges, closed, cuts)
-        if body.cut
-        else _whole_elements(body, ranges, closed)
-    )
+    facets = _facet_elements(body, ranges, closed, within) if body.exact else None
+    if facets is not None:
+        found = facets
+    elif body.cut:
+        found = _cut_elements(body, ranges, closed, cuts)
+    else:
+        found = _whole_elements(body, ranges, closed)
     return found.chosen(within.contains(found.centroid)) if len(found.box) else found
 
 
@@ -190,6 +192,36 @@ def _cut_elements(
         own = found._replace(area=of_side, moment=moments, second=seconds)
         every.append(own.chosen(some))
     return Elements(*map(np.concatenate, zip(*every, strict=True)))
+
+
+def _facet_elements(
+    body: LatticeBody, ranges: Sequence[Indices], closed: Closed, within: Region
+) -> Elements | None:
+    """Elements of a surface of triangles, cut along planes of the region; None for others."""
+    edges, lattice, D = [], [], len(ranges)
+    for d, r in enumerate(ranges):
+        lattice.append(_edge(body.edges[d], np.append(r, r[-1] + 1 if len(r) else 0)))
+        cuts = [plane.at for plane in within.planes() if plane.axis == d]
+        own = [at for at in cuts if lattice[d][0] < at < lattice[d][-1]] if len(r) else []
+        edges.append(np.unique(np.append(lattice[d], own)))
+    pieces = body.region.facets(edges)
+    if pieces is None:
+        return None
+    number, centre, area, second = pieces
+    box, kept = np.empty_like(number), np.ones(len(number), bool)
+    for d, r in enumerate(ranges):
+        box[:, d] = np.searchsorted(lattice[d], edges[d][number[:, d]], "right") - 1 + r[:1].sum()
+        for side in (-1, 1):
+            if (d, side) in closed:
+                end = body.edges[d][0 if side < 0 else -1]
+                kept &= np.abs(centre[:, d] - end) > _ROUNDING * body.size[d]
+    size = np.sqrt((area * area).sum(axis=1))
+    normal = area / np.where(size > 0.0, size, 1.0)[:, None]
+    found = Elements(
+        box, centre, area, np.zeros((len(box), D, D)),
+        (second * size[:, None])[:, :, None] * normal[:, None],
+    )  # fmt: skip
+    return found.chosen(np.flatnonzero(kept)[np.lexsort(box[kept].T[::-1])])
 
 
 def _column(axes: tuple[int, ...], d: int) -> int:
