@@ -16,7 +16,6 @@ from pgimp.jit.kernel import inner_kernel, is_record, kernel
 from pgimp.jit.vectors.rows import load_row, store_row
 from pgimp.jit.vectors.simd import lane, vector, where
 from pgimp.kernels.contact.lagrangian.hash_table import find
-from pgimp.kernels.contact.lagrangian.parts import add_part, fold_row
 from pgimp.kernels.contact.lagrangian.reference_grid import (
     OF_INVERSE_MASS,
     image_of,
@@ -27,9 +26,11 @@ from pgimp.kernels.contact.lagrangian.reference_grid import (
 )
 from pgimp.kernels.contact.lagrangian.reference_numbers import (
     WIDE,
+    add_part,
     add_particle,
     by_axis,
     by_direction,
+    fold_row,
 )
 from pgimp.kernels.contact.lagrangian.supports import from_centroid
 from pgimp.kernels.contact.lagrangian.vertices import EXACT, number_of

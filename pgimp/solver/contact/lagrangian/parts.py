@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from pgimp.decomposition.grid import Grid
-from pgimp.kernels.contact.lagrangian.parts import PART, Parts
 from pgimp.kernels.contact.lagrangian.reference_grid import key_bits, key_of_vertex
-from pgimp.kernels.contact.lagrangian.reference_numbers import References
+from pgimp.kernels.contact.lagrangian.reference_numbers import PART, Parts, References
 from pgimp.kernels.contact.lagrangian.vertices import EXACT
 from pgimp.kernels.data.particles import Particles
 from pgimp.mpi.communicator import Communicator

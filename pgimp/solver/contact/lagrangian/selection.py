@@ -13,8 +13,8 @@ from pgimp.kernels.contact.lagrangian.candidates import Patches, find_candidates
 from pgimp.kernels.contact.lagrangian.filled import bound_filled, keep_possible
 from pgimp.kernels.contact.lagrangian.hash_table import table_size
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
-from pgimp.kernels.contact.lagrangian.parts import PART
 from pgimp.kernels.contact.lagrangian.reference_numbers import (
+    PART,
     References,
     ReferenceSupports,
     find_reference_supports,

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from scenes import SOFT, finish, scene, start
 
-from pgimp.kernels.contact.lagrangian.parts import add_part
 from pgimp.kernels.contact.lagrangian.reference_grid import key_bits, key_of_vertex
-from pgimp.kernels.contact.lagrangian.reference_numbers import WIDE, ReferenceSupports
+from pgimp.kernels.contact.lagrangian.reference_numbers import WIDE, ReferenceSupports, add_part
 from pgimp.kernels.data.motion import DISPLACEMENT
 from pgimp.kernels.data.record import RECORD
 from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact
