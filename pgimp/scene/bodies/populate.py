@@ -88,7 +88,7 @@ def populate(
         if scene.case.axisymmetric and block.rows is None:  # files have the volumes of rings
             p.V0[rows] = p.V[rows] = p.V[rows] * scene.domain.circumference(block.centroids)
         if scene.carried.surfaces:
-            p.offset[rows] = block.centroids - block.positions
+            p.offset[rows] = block.centroids - p.x[rows]
             p.excess[rows, 0] = lattice.excess(block)
         p.m[rows] = p.V0[rows] * scene.materials.parameters[material].density  # (4)
         if block.saved:
@@ -118,7 +118,7 @@ def _set_surfaces(
             found = _elements(entry, body, (planes[0] - AWAY, planes[1] + AWAY), loads.closed)
             parts, bearing = parts_of(body, found, p.x[mine], ring)
             p.surface[mine, k * width : (k + 1) * width] = parts
-            if more := scene.carried.products * (1 + scene.dimension):
+            if more := scene.carried.bearing:
                 p.bearing[mine, k * more : (k + 1) * more] = bearing
 
 

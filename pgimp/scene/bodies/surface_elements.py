@@ -49,7 +49,7 @@ def _edge(edges: Reals, i: Indices) -> Reals:
 
 
 def find_elements(
-    body: LatticeBody, within: Region, planes: tuple[int, int], closed: Closed = ()
+    body: LatticeBody, within: Region | None, planes: tuple[int, int], closed: Closed = ()
 ) -> Elements:
     """Find the elements of a body's surface within a region, in a range of lattice planes.
 
@@ -57,15 +57,15 @@ def find_elements(
     ----------
     body : LatticeBody
         The body; its boxes are whole where surfaces do not cut them.
-    within : Region
-        Elements with their centroid in here count.
+    within : Region or None
+        Elements with their centroid in here count; None: all.
     planes : (int, int)
         First plane and end; elements there, and up to a box beyond the lattice, are found.
     closed : sequence of (axis, side)
         Faces of the lattice, low (-1) or high (1), behind which bodies go on: none is on these.
     """
     ranges = []
-    least, most = within.bounds()
+    least, most = (body.region if within is None else within).bounds()
     for d, (e, (begin, end)) in enumerate(zip(body.edges, body.box, strict=True)):
         low = max(begin - 1, int(np.floor((max(least[d], -1e300) - e[0]) / body.size[d])) - 1, -1)
         high = (min(most[d], 1e300) - e[0]) / body.size[d]
@@ -77,7 +77,7 @@ def find_elements(
             ranges[d] = ranges[d][ranges[d] >= 0]
         if (d, 1) in closed:
             ranges[d] = ranges[d][ranges[d] < len(e) - 1]
-    cuts = (body.region, within) if body.exact else ()
+    cuts = (body.region, *([within] if within else ())) if body.exact else ()
     facets = _facet_elements(body, ranges, closed, within) if body.exact else None
     if facets is not None:
         found = facets
@@ -85,7 +85,9 @@ def find_elements(
         found = _cut_elements(body, ranges, closed, cuts)
     else:
         found = _whole_elements(body, ranges, closed)
-    return found.chosen(within.contains(found.centroid)) if len(found.box) else found
+    if within is None or not len(found.box):
+        return found
+    return found.chosen(within.contains(found.centroid))
 
 
 def _combinations(axes: Sequence[Indices]) -> Indices:
@@ -133,13 +135,14 @@ def _cut_elements(
         high[:, d] = a + (part[:, d] + 1) / parts * (b - a)
     near = _near(body, low, high) if len(low) else np.zeros(0, bool)
     box, low, high = box[near], low[near], high[near]
+    thin = 0.5 * _THIN * (high - low)  # the same for pieces side by side
     for region in cuts:
         row, low, high = pieces(region, low, high)
-        box = box[row]
-    n, size, products = len(box), high - low, MONOMIALS[D - 1][1 + D :] if body.exact else ()
+        box, thin = box[row], thin[row]
+    n, size, count = len(box), high - low, PRODUCTS[D - 1] if body.exact else 0
     area, moment = np.zeros((n, D)), np.zeros((n, D, D))
     second = np.zeros((n, PRODUCTS[D - 1], D))
-    volume, inner = measure(body.region, low, high, body.exact)
+    volume, inner = measure(body.region, low, high, count)
     full = size.prod(axis=1)
     whole = volume > (1.0 - _ROUNDING) * full
     # Pieces without a surface inside, but for their faces, have an element for each of these.
@@ -148,17 +151,15 @@ def _cut_elements(
     for d in range(D):
         moment[:, d, d] += volume
         for side, at in ((-1.0, low), (1.0, high)):
-            # One thickness on both sides of a cut, or a surface that touches it lies in one slab.
             a, b = low.copy(), high.copy()
-            half = 0.5 * _THIN * (body.size[d] / parts if cuts else size[:, d])
-            a[:, d], b[:, d] = at[:, d] - half, at[:, d] + half
+            a[:, d], b[:, d] = at[:, d] - thin[:, d], at[:, d] + thin[:, d]
             if (d, int(side)) in closed:
                 end = body.edges[d][0 if side < 0.0 else -1]
                 if side < 0.0:
                     a[:, d] = np.maximum(a[:, d], end)
                 else:
                     b[:, d] = np.minimum(b[:, d], end)
-            inside, first = measure(body.region, a, b, body.exact)
+            inside, first = measure(body.region, a, b, count)
             thickness = b[:, d] - a[:, d]
             half_size = 0.5 * side * size[:, d]
             face = inside / thickness
@@ -168,7 +169,7 @@ def _cut_elements(
                 arms[:, j] = half_size * face if j == d else first[:, j] / thickness
                 moment[:, j, d] -= side * arms[:, j]
             more = np.zeros((n, PRODUCTS[D - 1]))
-            for k, axes in enumerate(products):
+            for k, axes in enumerate(MONOMIALS[D - 1][1 + D : 1 + D + count]):
                 if d not in axes:
                     more[:, k] = first[:, D + k] / thickness
                 else:
@@ -183,7 +184,7 @@ def _cut_elements(
     there = np.zeros(n, bool)
     for d in range(D):
         there |= np.abs(area[:, d]) > _LEAST * (full / size[:, d])
-    found = Elements(box, 0.5 * (low + high), area, moment, second)
+    found = Elements(box, 0.5 * (low + high), area, moment, 0.5 * size, second)
     if not plain.any():
         return found.chosen(there)
     every = [found.chosen(there & ~plain)]
@@ -195,13 +196,14 @@ def _cut_elements(
 
 
 def _facet_elements(
-    body: LatticeBody, ranges: Sequence[Indices], closed: Closed, within: Region
+    body: LatticeBody, ranges: Sequence[Indices], closed: Closed, within: Region | None
 ) -> Elements | None:
     """Elements of a surface of triangles, cut along planes of the region; None for others."""
     edges, lattice, D = [], [], len(ranges)
+    planes = within.planes() if within else []
     for d, r in enumerate(ranges):
         lattice.append(_edge(body.edges[d], np.append(r, r[-1] + 1 if len(r) else 0)))
-        cuts = [plane.at for plane in within.planes() if plane.axis == d]
+        cuts = [plane.at for plane in planes if plane.axis == d]
         own = [at for at in cuts if lattice[d][0] < at < lattice[d][-1]] if len(r) else []
         edges.append(np.unique(np.append(lattice[d], own)))
     pieces = body.region.facets(edges)
@@ -218,7 +220,7 @@ def _facet_elements(
     size = np.sqrt((area * area).sum(axis=1))
     normal = area / np.where(size > 0.0, size, 1.0)[:, None]
     found = Elements(
-        box, centre, area, np.zeros((len(box), D, D)),
+        box, centre, area, np.zeros((len(box), D, D)), np.full((len(box), D), 0.5) * body.size,
         (second * size[:, None])[:, :, None] * normal[:, None],
     )  # fmt: skip
     return found.chosen(np.flatnonzero(kept)[np.lexsort(box[kept].T[::-1])])
@@ -272,7 +274,8 @@ def _whole_elements(body: LatticeBody, ranges: Sequence[Indices], closed: Closed
             area[:, d] *= size[:, j] if j != d else 1.0
         centre = 0.5 * (low + high)
         centre[:, d] = (low, high)[side > 0][:, d]
-        parts.append(Elements.flat(box, centre, area))
+        half = 0.5 * np.where(np.arange(D) == d, 0.0, size)
+        parts.append(Elements.flat(box, centre, area, half))
     found = Elements(*map(np.concatenate, zip(*parts, strict=True)))
     return found.chosen(np.lexsort(found.box.T[::-1]))
 
@@ -336,14 +339,13 @@ def parts_of(body: LatticeBody, elements: Elements, x: Reals, ring: bool) -> tup
     -------
     parts : (n, width) float64
         Area, area vector, first moments.
-    products : (n, 0, 3 or 16) float64
-        Means of products of the distances from the part's centroid, see `PartParameters`; then
-        integrals of each over the area vector, by its components.
+    products : (n, (1 + D) (0, 1 or 4)) float64
+        Products of inertia, see `pgimp.kernels.data.particles.Particles.bearing`.
     """
     n, D = x.shape
     found = np.zeros((n, 1 + D + D * D))
     if not n or not len(elements.box):
-        return found, np.zeros((n, PRODUCTS[D - 1] * (1 + D)))
+        return found, np.zeros((n, (1 + D) * PRODUCTS[D - 1]))
     goes = carriers(body, elements)
     whole = _together(body, elements) if ring else elements.area
     shape = tuple(len(e) + 2 for e in body.edges)
@@ -353,41 +355,61 @@ def parts_of(body: LatticeBody, elements: Elements, x: Reals, ring: bool) -> tup
     row = np.minimum(np.searchsorted(numbers, target), n - 1)
     mine = numbers[row] == target
     elements, whole, row = elements.chosen(mine), whole[mine], row[mine]
-    factor = np.ones(len(row))
+    factor, bend = np.ones(len(row)), np.zeros((len(row), D))
     if ring:
         factor = 2.0 * np.pi * np.maximum(elements.centroid[:, 0], 0.0)
+    if ring and body.exact:  # of elements that are not straight
+        off = (elements.centroid[:, 0] - elements.centre[:, 0])[:, None]
+        bend = 2.0 * np.pi * (elements.moment[:, 0] - off * elements.area)
     square = sum(elements.area[:, d] ** 2 for d in range(D))
     np.add.at(found[:, 0], row, factor * np.sqrt(square))
     for d in range(D):
-        np.add.at(found[:, 1 + d], row, factor * elements.area[:, d])
+        np.add.at(found[:, 1 + d], row, factor * elements.area[:, d] + bend[:, d])
         for j in range(D):
             arm = elements.centre[:, j] - x[row, j]
             moment = factor * (elements.moment[:, j, d] + arm * elements.area[:, d])
             if ring:
                 moment += 2.0 * np.pi * _spread(whole, j) * elements.area[:, d]
+                moment += (elements.centroid[:, j] - x[row, j]) * bend[:, d]
             np.add.at(found[:, 1 + D + D * j + d], row, moment)
-    return found, _products(elements, x, row, found, factor)
+    return found, _products(elements, x, row, found, whole if ring else None)
 
 
-def _products(elements: Elements, x: Reals, row: Indices, parts: Reals, factor: Reals) -> Reals:
-    """Products of inertia of the parts of a surface in some rows, see `parts_of`."""
+def _products(
+    elements: Elements, x: Reals, row: Indices, parts: Reals, rings: Reals | None
+) -> Reals:
+    """Products of inertia of the parts of a surface in some rows, see `parts_of`.
+
+    For `rings` with the area vectors from `_together`.
+    """
     n, D = x.shape
-    wide = PRODUCTS[D - 1]
-    found = np.zeros((n, 1 + D, wide))
+    count = PRODUCTS[D - 1]
+    found = np.zeros((n, 1 + D, count))
     vector, loaded = parts[:, 1 : 1 + D], np.flatnonzero(parts[:, 0])
     moment = parts[:, 1 + D :].reshape(n, D, D)
     square = (vector * vector).sum(axis=1)
     some = square > _NONE * parts[:, 0] ** 2
-    centroid = x.copy()
-    centroid[some] += (moment * vector[:, None]).sum(axis=2)[some] / square[some, None]
-    area, second = elements.area, elements.about(centroid[row]) * factor[:, None, None]
+    arm = np.zeros((n, D))
+    arm[some] = (moment * vector[:, None]).sum(axis=2)[some] / square[some, None]
+    area, centroid = elements.area, (x + arm)[row]
     size = np.sqrt((area * area).sum(axis=1))
+    if rings is not None:  # straight strips, which weigh with their radius
+        r, (p, q) = np.maximum(elements.centroid[:, 0], 0.0), rings.T
+        a, b = (elements.centroid - centroid).T
+        product = 2.0 * np.pi * (r * a * b + (q * q * b - p * q * (r + a)) / 12.0)
+        second = (area * product[:, None])[:, None]
+    else:
+        second = elements.about(centroid)
     along = (second * area[:, None]).sum(axis=2) / np.maximum(size, 1e-300)[:, None]
-    for k in range(wide):
+    for k in range(count):
         np.add.at(found[:, 0, k], row, along[:, k])
         for d in range(D):
             np.add.at(found[:, 1 + d, k], row, second[:, k, d])
     found[loaded, 0] /= parts[loaded, 0, None]
+    found[:, 1:] -= found[:, :1] * vector[:, :, None]
+    if D == 3:  # gradients of weights have the products, too
+        about = moment - arm[:, :, None] * vector[:, None]
+        found[:, 1:, 3] -= (found[:, 0, :3, None] * about).sum(axis=1)
     return found.reshape(n, -1)
 
 
@@ -417,7 +439,7 @@ def face_elements(body: LatticeBody, axis: int, side: int, planes: tuple[int, in
     a, b = (np.stack([ends[d][k][box[:, d]] for d in range(D)], axis=1) for k in (0, 1))
     area = np.zeros(box.shape)
     area[:, axis] = side * np.where(np.arange(D) == axis, 1.0, b - a).prod(axis=1)
-    return Elements.flat(box, 0.5 * (a + b), area)
+    return Elements.flat(box, 0.5 * (a + b), area, 0.5 * (b - a))
 
 
 #: Places in a box along each direction that tell elements apart.

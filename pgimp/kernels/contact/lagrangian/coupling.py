@@ -66,7 +66,7 @@ class Coupling(NamedTuple):
 
 
 @inner_kernel
-def _answer(coupling, r, numbers):
+def set_answer(coupling, r, numbers):
     """Set the inverse mass of a contact vertex, sum_j B_ij^2/m_j; 0 if nearly all is held."""
     column, entry, start = coupling.column, coupling.entry, coupling.start
     found, gives, every = vector(0.0), vector(0.0), vector(0.0)
@@ -272,5 +272,5 @@ def find_coupling(frame, particles, initial, mirrors, slots, contact_vertices, s
                 return 2 * len(coupling.column) + most
             used = fold_row(parts, r, used, seen, coupling)
         start[r + 1] = used
-        _answer(coupling, r, numbers)
+        set_answer(coupling, r, numbers)
     return used
