@@ -251,11 +251,14 @@ def find_coupling(frame, particles, initial, mirrors, slots, contact_vertices, s
                     others += 1
                     continue
                 part = table[i].mass * reached.weight[k] * inverse
-                way = from_centroid(frame, table[i], _way(frame, motion[i], vertex))
-                way = by_axis(frame, way)
+                way = _way(frame, motion[i], vertex)
                 if is_record(parts) and table[i].lagrangian == EXACT:
+                    way = by_axis(frame, way)
                     add_part(box, supports, i, low, part, way, parts.parts)
+                elif is_record(parts):  # beside them particles have the weights of points
+                    add_particle(box, supports, i, low, part, by_axis(frame, way))
                 else:
+                    way = by_axis(frame, from_centroid(frame, table[i], way))
                     add_particle(box, supports, i, low, part, way)
                 first, many = supports.first[i], supports.many[i]
                 begin = tuple(min(begin[d], first[d]) for d in range(3))

@@ -27,13 +27,20 @@ def move_to_boxes(scene: Scene, particles: Particles, rows: np.ndarray, motion: 
 def parts_near(
     scene: Scene, particles: Particles, rows: np.ndarray, table: np.ndarray
 ) -> np.ndarray:
-    """Parts of the particles in some rows, see `Parts`; marks these in `table`."""
+    """Parts of the particles in some rows, see `Parts`; marks these in `table`.
+
+    The weights of rings are about the mass's centroid, not the section's.
+    """
     D, exact = scene.dimension, scene.settings.exact_surfaces[particles.body[rows]]
     table["lagrangian"][exact] = EXACT
     found, inverse = np.zeros((len(rows), PART)), np.array(scene.domain.frame.inverse)
-    found[:, 3 - D : 3] = particles.offset[rows] * inverse
+    offset = particles.offset[rows].copy()
+    if scene.case.axisymmetric:
+        offset += particles.products[rows, 1:]
+        table["weight_position"][:, :D] += particles.products[rows, 1:]
+    found[:, 3 - D : 3] = offset * inverse
     axes = (1, 2), (0, 2), (0, 1), (0, 1, 2)
-    for k in range(particles.products.shape[1]):
+    for k in range((0, 1, 4)[D - 1]):
         scale = inverse[list(axes[k])].prod() if D == 3 else inverse.prod()
         found[:, 3 + k] = particles.products[rows, k] * scale
     return found

@@ -259,11 +259,13 @@ class Selector:
             fills=np.zeros((len(order), bodies), RIGID_FILL),
         )
         table = table[reach.rows]
-        start = Supports.empty(len(table), self._initial, scene.case.axisymmetric)
+        start = Supports.empty(len(table), self._initial, scene.case.axisymmetric and not slaves)
         fields = 1 + int(self.fields.max())
         half, x = (np.ascontiguousarray(table[name]) for name in ("half_width", "weight_position"))
         own = np.zeros_like(half) if slaves else half
-        call(find_supports, scene.settings.shape, self._frame, own, x, start)
+        # Those of rings are about their mass's centroid, as in the plane.
+        initial_frame = InitialFrame(*scene.domain.frame) if slaves else self._frame
+        call(find_supports, scene.settings.shape, initial_frame, own, x, start)
         initial = ReferenceSupports.empty(len(table))
         call(find_reference_supports, frame, start, initial)
         found = call(number_reference_vertices, frame, table, start, self.mirrors, fields)

@@ -214,7 +214,10 @@ def initial_contact():
 
 
 def exact_contact():
-    """The same of bodies exact to their surface, cut anywhere; a tie ends in a stage."""
+    """The same of bodies exact to their surface, cut anywhere, and one cut; a tie ends in a stage.
+
+    Beside one that is cut all meet at vertices.
+    """
     case = initial_contact()
     bodies = case["bodies"]
     places = {
@@ -225,7 +228,7 @@ def exact_contact():
     }
     for name, (low, high) in places.items():
         bodies[name]["region"] = {"box": {"min": low, "max": high}}
-    for name in ("flies", *places):
+    for name in ("flies", "lies", "slides", "glued"):
         bodies[name]["surface"] = "exact"
     friction = {"bodies": "all", "friction": 0.3}
     case["time"]["stages"] = [{"name": "loose", "end": 1.4, "contact": [friction]}]
