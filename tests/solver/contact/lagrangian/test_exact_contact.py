@@ -207,8 +207,9 @@ def test_rings_meet_and_keep_momentum():
         "a": block([0.0, 1.03], [3.02, 4.4], velocity=[0.0, 0.2]),
         "b": block([0.5, 5.0], [3.47, 8.03], velocity=[0.0, -0.2]),
     }
-    case = scene(2, bodies, cells=[6, 10], end=3.0, step={"courant": 0.3},
-                 materials={"soft": HARD}, contact=[{"bodies": "all", "friction": 0.3}])  # fmt: skip
+    meet = [{"bodies": "all", "friction": 0.3}]
+    case = scene(2, bodies, cells=[6, 10], end=3.0, step={"courant": 0.3}, contact=meet,
+                 materials={"soft": HARD})  # fmt: skip
     sim = start(case | {"geometry": "axisymmetric"})
     first = sim.diagnostics()
     last = finish(sim).diagnostics()
