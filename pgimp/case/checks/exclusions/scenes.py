@@ -106,7 +106,7 @@ SCENES = (
         Exclusion(f.exact_surface, feature, f"{why}:", "take surface: cut")
         for feature, why in (
             (f.beyond_cells, "is for particles that are points or boxes in cells, not {b.name}"),
-            (f.points, "needs a surface, which '{b.name}', of particles from a file, does not have"),
+            (f.points, "needs a surface, and '{b.name}', of particles from a file, has none"),
             (f.averaged, "does not know the averaged mass yet"),
         )
     ),
