@@ -265,6 +265,29 @@ def test_thin_bodies_keep_their_vertices():
         start(thin({"courant": 0.5}))
 
 
+@pytest.mark.parametrize("face", ["fixed", "slip"])
+def test_a_body_that_hardly_reaches_into_the_cell_beside_a_face_is_not_held(face):
+    """It falls as without the face, at a usual Courant number."""
+    body = exact({"box": {"min": [1.0, 1.02], "max": [8.03, 5.03]}})
+    found = []
+    for boundaries in ({}, {"x-max": face}):
+        case = scene(2, body, cells=[9, 9], end=0.5, step={"courant": 0.3}, gravity=[0.0, -1.0])
+        sim = finish(start(case | {"boundaries": boundaries}))
+        assert not len(sim.rank.slaves.free)
+        found.append(sim.particles.v[sim.live()])
+    np.testing.assert_allclose(found[1], found[0], atol=1e-12)
+    np.testing.assert_allclose(found[0][:, 1], -0.5, rtol=1e-9)
+
+
+def test_what_a_face_holds_does_not_count_for_the_step():
+    """A plate that hardly reaches a cell's corner, whose light vertices a face holds."""
+    region = {"box": {"min": [0.0, 2.97], "max": [0.98, 3.25]}}
+    case = scene(2, exact(region), step={"courant": 0.1}, end=0.1)
+    loose = start(case).rank.slaves.courant
+    held = start(case | {"boundaries": {"x-min": "fixed"}}).rank.slaves.courant
+    assert loose < held
+
+
 def test_a_thin_ring_is_stable_up_to_what_its_vertices_bear():
     """Masters of slaves on both sides lose mass to them: .57 of a cell thick, refused at .65."""
     balls = [{"ball": {"centre": [9.0, 9.0], "radius": radius}} for radius in (8.0, 7.43)]
