@@ -46,7 +46,7 @@ def test_the_report_says_what_chosen_steps_save(speed, fewer, capsys, unmeasured
 
 
 def test_the_report_says_which_vertices_move_by_themselves(capsys, unmeasured):
-    """Of a plate a quarter of a cell thick, exact to its surface; as a run it refuses long steps."""
+    """Of a plate a quarter of a cell thick, exact to its surface; long steps are refused."""
     region = {"box": {"min": [1.3, 2.97], "max": [6.4, 3.25]}}
     body = {"material": "soft", "region": region, "configuration": "initial", "surface": "exact"}
     check.report(Case.model_validate(scene(2, body, step=0.005, end=0.2)))
