@@ -149,6 +149,7 @@ class Slaves(StepPart):
         self.own = own[:, row[chosen]]
         self._find_changes()
         folded[row[chosen]] = 0.0
+        folded[vertices.at_rest(known)] = 0.0
         light = np.concatenate([self.keys, self.free])
         of = np.searchsorted(known, self.masters)[self.of]
         self.courant = stable_courant(rank, light, known, folded, (of, self.weights))

@@ -1,6 +1,8 @@
 """Measures bodies that are exact to their surface beside cut ones; see scripts/surfaces."""
 
 from itertools import product
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 from studies.harness import Table, options_of, origin
@@ -53,6 +55,29 @@ def pressed(cells, surface):
     middle = cells + 2.0 + np.array([0.13, -0.09, 0.27])
     load = {"body": "b", "region": box([0.0] * 3, size), "pressure": -PUSH}
     return stresses(size, ball(middle, cells), surface, {"all": load}, [0, 1, 2])
+
+
+def turned(surface):
+    """A cube of an STL file, turned about all axes, under pressure all round."""
+    angles, R = np.radians((20.0, 15.0, 35.0)), np.eye(3)
+    for axis, angle in enumerate(angles):
+        i, j, one = (axis + 1) % 3, (axis + 2) % 3, np.eye(3)
+        one[i, i] = one[j, j] = np.cos(angle)
+        one[j, i], one[i, j] = np.sin(angle), -np.sin(angle)
+        R = one @ R
+    x = 3.7 * (np.array(list(product((0, 1), repeat=3))) - 0.5) @ R.T + (3.87, 4.13, 3.91)
+    sides = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+    lines = ["solid cube"]
+    for a, b, c, d in sides:
+        for corners in ((a, b, c), (a, c, d)):
+            lines += ["facet normal 0 0 0", "outer loop"]
+            lines += ["vertex {:.17g} {:.17g} {:.17g}".format(*x[k]) for k in corners]
+            lines += ["endloop", "endfacet"]
+    load = {"all": {"body": "b", "region": box([0.0] * 3, [8.0] * 3), "pressure": -PUSH}}
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "cube.stl"
+        path.write_text("\n".join([*lines, "endsolid cube"]))
+        return stresses([8.0] * 3, {"mesh": {"file": str(path)}}, surface, load, [0, 1, 2])
 
 
 def shape(kind, cells, offset):
@@ -121,6 +146,8 @@ def main():
             table.add(words, *(block(offset, each) for each in BOTH))
         for cells in (4, 8):
             table.add(f"ball, radius {cells} cells, pressure", *(pressed(cells, b) for b in BOTH))
+        words = "cube of an STL file, 3.7 cells, turned about all axes, pressure"
+        table.add(words, *map(turned, BOTH))
         print(table.text())
     if "modes" in what:
         table = Table("first 12 frequencies, rms of their errors; greatest over 2c/h",

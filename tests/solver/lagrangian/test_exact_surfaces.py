@@ -4,11 +4,13 @@ from itertools import product
 
 import numpy as np
 import pytest
+from meshes import ball as octahedron
+from meshes import stl
 from scenes import finish, scene, start
 
 from pgimp.errors import CaseError
 from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_MASS, KEPT_VELOCITY
-from pgimp.kernels.data.record import RECORD
+from pgimp.kernels.data.record import FORCE, RECORD
 from pgimp.solver.lagrangian.masters import Vertices
 
 pytestmark = pytest.mark.slow(60)
@@ -149,6 +151,49 @@ def test_uniform_stress_under_a_traction(low):
     assert abs(last["momentum-x"]) < 1e-12
 
 
+def closed(kind, folder):
+    """A region with a closed surface that cuts cells anywhere: round, of triangles, a profile."""
+    if kind == "mesh":
+        turned = np.linalg.qr(np.arange(9.0).reshape(3, 3) ** 2 + np.eye(3))[0]
+        corners = octahedron(1, 2.2) @ (turned * np.sign(np.linalg.det(turned))).T
+        stl(folder / "body.stl", corners + np.array([3.13, 2.91, 3.27]))
+        return {"mesh": {"file": str(folder / "body.stl")}}
+    if kind == "profile":
+        np.save(folder / "h.npy", np.array([4.2, 4.75, 3.9, 5.1, 4.4]))
+        nodes = {"origin": [0.93], "spacing": [1.03]}
+        return {"heights": {"file": str(folder / "h.npy"), "bottom": 1.17, "nodes": nodes}}
+    return {"ball": {"centre": [3.13, 2.91, 3.27][: int(kind[-1])], "radius": 2.2}}
+
+
+@pytest.mark.parametrize("kind", ["ball 2", "ball 3", "mesh", "profile"])
+def test_a_pressure_all_round_balances_uniform_stress(kind, tmp_path):
+    """At every vertex, wherever a surface cuts cells: forces of the load and of the stress."""
+    ball, D = closed(kind, tmp_path), 2 if kind in ("ball 2", "profile") else 3
+    load = {
+        "body": "body",
+        "pressure": -1.0,
+        "region": {"box": {"min": [0.0] * D, "max": [6.0] * D}},
+    }
+    sim = start(scene(D, exact(ball), cells=[6] * D, tractions={"all": load}))
+    _, dN, cells = corners(sim)
+    volume, force = sim.particles.V0[sim.live()], np.zeros((*[7] * D, D))
+    truth = at_vertices((7,) * D, cells, volume[:, None, None] * dN)
+    fold, grid = sim.rank.slaves.add_forces, sim.rank.grid
+
+    def keep(rank, update):
+        G = grid.by_vertex(grid.G)[:, 0, ..., FORCE : FORCE + D]
+        first = np.array(grid.window.lower[:D]) - sim.scene.domain.frame.ghost
+        for place in np.argwhere((G != 0.0).any(axis=-1)):
+            force[tuple(place[:D] + first)] = G[tuple(place)]
+        fold(rank, update)
+
+    sim.rank.slaves.add_forces = keep
+    sim.advance()
+    assert np.abs(force.sum(axis=tuple(range(D)))).max() < 1e-12
+    rounding = 1e-4 if "ball" in kind else 1e-11
+    assert np.abs(force - truth).max() < rounding * np.abs(truth).max()
+
+
 def test_faces_and_regions_give_the_same():
     region = {"box": {"min": [0.0, 0.0], "max": [9.0, 9.0]}}
     by_region = {"region": region, "normal": {"of": [2.0, 0.0], "within": 10}}
@@ -267,7 +312,7 @@ def test_averaged_mass(D):
     assert line["angular-momentum-z"] == pytest.approx(spin, rel=1e-12)
 
 
-def test_parts_of_a_mesh_have_no_products(tmp_path):
+def test_parts_of_a_mesh_are_as_of_a_box(tmp_path):
     """A square of lines is as the box; weights of a slanted one's parts are never negative."""
     path, found = tmp_path / "square.obj", []
     places = [(1.37, 1.21), (5.37, 1.21), (5.37, 5.21), (1.37, 5.21)]
@@ -295,6 +340,29 @@ def test_thin_bodies_keep_their_vertices():
     np.testing.assert_allclose(sim.particles.v[sim.live()], [[0.1, 0.2]] * sim.count, rtol=1e-9)
     with pytest.raises(CaseError, match="stable up to the Courant number"):
         start(thin({"courant": 0.5}))
+
+
+@pytest.mark.parametrize("face", ["fixed", "slip"])
+def test_a_body_that_hardly_reaches_into_the_cell_beside_a_face_is_not_held(face):
+    """It falls as without the face, at a usual Courant number."""
+    body = exact({"box": {"min": [1.0, 1.02], "max": [8.03, 5.03]}})
+    found = []
+    for boundaries in ({}, {"x-max": face}):
+        case = scene(2, body, cells=[9, 9], end=0.5, step={"courant": 0.3}, gravity=[0.0, -1.0])
+        sim = finish(start(case | {"boundaries": boundaries}))
+        assert not len(sim.rank.slaves.free)
+        found.append(sim.particles.v[sim.live()])
+    np.testing.assert_allclose(found[1], found[0], atol=1e-12)
+    np.testing.assert_allclose(found[0][:, 1], -0.5, rtol=1e-9)
+
+
+def test_what_a_face_holds_does_not_count_for_the_step():
+    """A plate that hardly reaches a cell's corner, whose light vertices a face holds."""
+    region = {"box": {"min": [0.0, 2.97], "max": [0.98, 3.25]}}
+    case = scene(2, exact(region), step={"courant": 0.1}, end=0.1)
+    loose = start(case).rank.slaves.courant
+    held = start(case | {"boundaries": {"x-min": "fixed"}}).rank.slaves.courant
+    assert loose < held
 
 
 def test_a_thin_ring_is_stable_up_to_what_its_vertices_bear():

@@ -27,6 +27,7 @@ from rank_scenes.flights import (
 from rank_scenes.gauged import GAUGED, gauged
 from rank_scenes.initial_bodies import (
     both_configurations,
+    exact_contact,
     exact_rings,
     exact_round,
     exact_surfaces,
@@ -90,6 +91,7 @@ SCENES = (
             flowing,
             initial,
             exact_surfaces,
+            exact_contact,
             exact_round,
             exact_rings,
             initial_stages,

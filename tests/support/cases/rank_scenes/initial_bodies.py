@@ -220,6 +220,28 @@ def initial_contact():
     )
 
 
+def exact_contact():
+    """The same of bodies exact to their surface, cut anywhere, and one cut; a tie ends in a stage.
+
+    Beside one that is cut all meet at vertices.
+    """
+    case = initial_contact()
+    bodies = case["bodies"]
+    places = {
+        "lies": ([8.03, 0.0], [13.04, 1.97]),
+        "slides": ([8.55, 1.97], [10.52, 3.98]),
+        "glued": ([12.03, 1.97], [13.04, 3.5]),
+        "falls": ([17.1, 4.02], [19.46, 6.0]),
+    }
+    for name, (low, high) in places.items():
+        bodies[name]["region"] = {"box": {"min": low, "max": high}}
+    for name in ("flies", "lies", "slides", "glued"):
+        bodies[name]["surface"] = "exact"
+    friction = {"bodies": "all", "friction": 0.3}
+    case["time"]["stages"] = [{"name": "loose", "end": 1.4, "contact": [friction]}]
+    return case
+
+
 def both_configurations():
     """Water falls on a plate in the initial configuration, which a free ball hits and a ram pushes.
 
