@@ -80,7 +80,7 @@ class LatticeBody:
         rings: bool = False,
     ) -> None:
         self.region, self.edges, self.centres, self.cut = region, edges, centres, cut
-        self.exact = exact
+        self.exact, self.rings = exact, rings
         self._products = PartParameters.products(len(edges), rings) if exact else 0
         low, high = region.bounds()
         self.box: Ranges = []
@@ -139,7 +139,9 @@ class LatticeBody:
 
     def _find_fractions(self, ranges: Ranges) -> VolumeFractions:
         """Volume fractions by the region's distances, and by integrals over cut boxes."""
-        if self.cut and (found := self._fill(ranges)) is not None:
+        # Sections of exact rings need more moments than regions find themselves.
+        alone = self.cut and not (self.exact and self.rings)
+        if alone and (found := self._fill(ranges)) is not None:
             return found
         shape = tuple(end - begin for begin, end in ranges)
         inside, mixed = self._bricks(ranges)
