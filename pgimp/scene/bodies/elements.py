@@ -11,6 +11,13 @@ Reals = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 
+#: Number of the products of the components, by dimensions.
+PRODUCTS = (0, 1, 4)
+
+#: Axes of the first of them.
+_PAIRS: tuple[tuple[tuple[int, int], ...], ...] = ((), ((0, 1),), ((1, 2), (0, 2), (0, 1)))
+
+
 class Elements(NamedTuple):
     """Elements of a surface."""
 
@@ -20,6 +27,29 @@ class Elements(NamedTuple):
     #: (n, D, D) float64: Integrals of the position from `centre`, along the second index, times the
     #: normal.
     moment: Reals
+    #: (n, 0, 1 or 4, D) float64: Likewise of products of its components: xy in 2D, yz, xz, xy, xyz
+    #: in 3D; zeros but for bodies that are exact to their surface.
+    second: Reals
+
+    @classmethod
+    def flat(cls, box: Indices, centre: Reals, area: Reals) -> Elements:
+        """Elements across the axes, about their centroids."""
+        n, D = centre.shape
+        none = np.zeros((n, D, D)), np.zeros((n, PRODUCTS[D - 1], D))
+        return cls(box, centre, area, *none)
+
+    def about(self, points: Reals) -> Reals:
+        """Integrals as `second`, of positions from points, (n, 0, 1 or 4, D)."""
+        D, found = self.centre.shape[1], self.second.copy()
+        s = (self.centre - points)[:, :, None]
+        A, M, T = self.area, self.moment, self.second
+        for k, (i, j) in enumerate(_PAIRS[D - 1]):
+            found[:, k] += s[:, i] * M[:, j] + s[:, j] * M[:, i] + s[:, i] * s[:, j] * A
+        if D == 3:
+            x, y, z = s[:, 0], s[:, 1], s[:, 2]
+            found[:, 3] += x * T[:, 0] + y * T[:, 1] + z * T[:, 2] + x * y * z * A
+            found[:, 3] += x * y * M[:, 2] + x * z * M[:, 1] + y * z * M[:, 0]
+        return found
 
     @property
     def centroid(self) -> Reals:
@@ -33,4 +63,4 @@ class Elements(NamedTuple):
 
     def chosen(self, rows: NDArray[Any]) -> Elements:
         """Some of them, by a mask or in an order."""
-        return Elements(self.box[rows], self.centre[rows], self.area[rows], self.moment[rows])
+        return Elements(*(each[rows] for each in self))

@@ -228,7 +228,9 @@ class LatticeBody:
         high = np.stack([e[i + 1] for e, i in zip(self.edges, index, strict=True)], axis=1)
         volume, moment = np.zeros(len(low)), np.zeros((len(low), self._width))
         for rows, region in self._neighbourhoods(index):
-            volume[rows], moment[rows] = measure(region, low[rows], high[rows], self._products)
+            volume[rows], moment[rows] = measure(
+                region, low[rows], high[rows], self.exact, self.rings
+            )
         return self._rounded(volume, moment)
 
     def _rounded(self, volume: Reals, moment: Reals) -> tuple[Reals, Reals]:
