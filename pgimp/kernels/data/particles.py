@@ -154,6 +154,15 @@ class Particles(NamedTuple):
             continued="required",
         ),
     ]
+    mean_stress: Annotated[
+        FloatArray,
+        Column(
+            "mean of the normal stresses over the cells with its dilatation, of bodies exact to "
+            "their surface",
+            "stress",
+            lambda c: int(c.cell_F and c.products > 0),
+        ),
+    ]
     own: Annotated[
         FloatArray,
         Column(

@@ -27,16 +27,17 @@ class Elements(NamedTuple):
     #: (n, D, D) float64: Integrals of the position from `centre`, along the second index, times the
     #: normal.
     moment: Reals
+    half: Reals  #: (n, D) float64: Half-sides of the boxes round their centres that they lie in.
     #: (n, 0, 1 or 4, D) float64: Likewise of products of its components: xy in 2D, yz, xz, xy, xyz
     #: in 3D; zeros but for bodies that are exact to their surface.
     second: Reals
 
     @classmethod
-    def flat(cls, box: Indices, centre: Reals, area: Reals) -> Elements:
+    def flat(cls, box: Indices, centre: Reals, area: Reals, half: Reals) -> Elements:
         """Elements across the axes, about their centroids."""
         n, D = centre.shape
-        none = np.zeros((n, D, D)), np.zeros((n, PRODUCTS[D - 1], D))
-        return cls(box, centre, area, *none)
+        second = np.zeros((n, PRODUCTS[D - 1], D))
+        return cls(box, centre, area, np.zeros((n, D, D)), half, second)
 
     def about(self, points: Reals) -> Reals:
         """Integrals as `second`, of positions from points, (n, 0, 1 or 4, D)."""

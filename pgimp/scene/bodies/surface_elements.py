@@ -49,7 +49,7 @@ def _edge(edges: Reals, i: Indices) -> Reals:
 
 
 def find_elements(
-    body: LatticeBody, within: Region, planes: tuple[int, int], closed: Closed = ()
+    body: LatticeBody, within: Region | None, planes: tuple[int, int], closed: Closed = ()
 ) -> Elements:
     """Find the elements of a body's surface within a region, in a range of lattice planes.
 
@@ -57,15 +57,15 @@ def find_elements(
     ----------
     body : LatticeBody
         The body; its boxes are whole where surfaces do not cut them.
-    within : Region
-        Elements with their centroid in here count.
+    within : Region or None
+        Elements with their centroid in here count; None: all.
     planes : (int, int)
         First plane and end; elements there, and up to a box beyond the lattice, are found.
     closed : sequence of (axis, side)
         Faces of the lattice, low (-1) or high (1), behind which bodies go on: none is on these.
     """
     ranges = []
-    least, most = within.bounds()
+    least, most = (body.region if within is None else within).bounds()
     for d, (e, (begin, end)) in enumerate(zip(body.edges, body.box, strict=True)):
         low = max(begin - 1, int(np.floor((max(least[d], -1e300) - e[0]) / body.size[d])) - 1, -1)
         high = (min(most[d], 1e300) - e[0]) / body.size[d]
@@ -77,13 +77,15 @@ def find_elements(
             ranges[d] = ranges[d][ranges[d] >= 0]
         if (d, 1) in closed:
             ranges[d] = ranges[d][ranges[d] < len(e) - 1]
-    cuts = (body.region, within) if body.exact else ()
+    cuts = (body.region, *([within] if within else ())) if body.exact else ()
     found = (
         _cut_elements(body, ranges, closed, cuts)
         if body.cut
         else _whole_elements(body, ranges, closed)
     )
-    return found.chosen(within.contains(found.centroid)) if len(found.box) else found
+    if within is None or not len(found.box):
+        return found
+    return found.chosen(within.contains(found.centroid))
 
 
 def _combinations(axes: Sequence[Indices]) -> Indices:
@@ -181,7 +183,7 @@ def _cut_elements(
     there = np.zeros(n, bool)
     for d in range(D):
         there |= np.abs(area[:, d]) > _LEAST * (full / size[:, d])
-    found = Elements(box, 0.5 * (low + high), area, moment, second)
+    found = Elements(box, 0.5 * (low + high), area, moment, 0.5 * size, second)
     if not plain.any():
         return found.chosen(there)
     every = [found.chosen(there & ~plain)]
@@ -240,7 +242,8 @@ def _whole_elements(body: LatticeBody, ranges: Sequence[Indices], closed: Closed
             area[:, d] *= size[:, j] if j != d else 1.0
         centre = 0.5 * (low + high)
         centre[:, d] = (low, high)[side > 0][:, d]
-        parts.append(Elements.flat(box, centre, area))
+        half = 0.5 * np.where(np.arange(D) == d, 0.0, size)
+        parts.append(Elements.flat(box, centre, area, half))
     found = Elements(*map(np.concatenate, zip(*parts, strict=True)))
     return found.chosen(np.lexsort(found.box.T[::-1]))
 
@@ -398,7 +401,7 @@ def face_elements(body: LatticeBody, axis: int, side: int, planes: tuple[int, in
     a, b = (np.stack([ends[d][k][box[:, d]] for d in range(D)], axis=1) for k in (0, 1))
     area = np.zeros(box.shape)
     area[:, axis] = side * np.where(np.arange(D) == axis, 1.0, b - a).prod(axis=1)
-    return Elements.flat(box, 0.5 * (a + b), area)
+    return Elements.flat(box, 0.5 * (a + b), area, 0.5 * (b - a))
 
 
 #: Places in a box along each direction that tell elements apart.

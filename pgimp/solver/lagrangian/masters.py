@@ -72,6 +72,21 @@ class Vertices(NamedTuple):
         return Vertices.joined(rank, (*number.T, none, none), field)
 
     @staticmethod
+    def strides(rank: RankState) -> tuple[int, ...]:
+        """Differences of the keys of neighbours, by direction."""
+        ny, nz, fields = Vertices.sizes(rank)
+        return (ny * nz * fields, nz * fields, fields)[: len(rank.grid.frame.cell)]
+
+    @staticmethod
+    def cells_under(rank: RankState, rows: np.ndarray) -> np.ndarray:
+        """Keys of the first vertices of the cells in which particles were at the start."""
+        frame, p = rank.grid.frame, rank.population.columns
+        x = (p.origin[rows] - np.array(frame.origin)) * np.array(frame.inverse)
+        number = np.floor(x).astype(np.int64) + frame.ghost
+        number[:, 0] = p.layer[rows]
+        return Vertices.key(rank, number, p.body[rows])
+
+    @staticmethod
     def cells_of(rank: RankState, keys: np.ndarray) -> np.ndarray:
         """Keys of the first vertices of the cells round some vertices."""
         *place, field = Vertices.numbers(rank, keys)

@@ -21,8 +21,13 @@ import numpy as np
 from pgimp.errors import CaseError
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_MASS, KEPT_VELOCITY
-from pgimp.kernels.data.record import FORCE, MASS, RECORD
-from pgimp.kernels.lagrangian.slaves import fold_vectors, spread_vectors
+from pgimp.kernels.data.record import FORCE, RECORD
+from pgimp.kernels.lagrangian.slaves import (
+    fold_vectors,
+    leave_to_masters,
+    spread_vectors,
+    take_vectors,
+)
 from pgimp.kernels.sums.sums import ANGULAR, KINETIC
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
@@ -34,14 +39,12 @@ from pgimp.solver.vertices import StepPart, VertexUpdate
 #: Part of a cell below which a vertex is a slave.
 LEAST = 0.05
 
-_FORCE = slice(FORCE, FORCE + 3)
-
 
 class Rows(NamedTuple):
     """Where a rank has the slaves and their masters, until its planes or its window change."""
 
-    #: slaves, own: (n,) int64: Number of each slave's record, -1 where the rank has none; whether
-    #: the rank owns it.
+    #: slaves, own: (n,) int64: Number of each slave's record, -1 where the rank has none; likewise
+    #: of those that it owns.
     slaves: np.ndarray
     own: np.ndarray
     masters: np.ndarray  #: (m,) int64: Likewise of all masters.
@@ -178,18 +181,15 @@ class Slaves(StepPart):
         """Add the forces on slaves to their masters'; see `StepPart.add_forces`."""
         if not needed(len(self.keys)):
             return
-        rows, G = self._located(rank), rank.grid.G.reshape(-1, RECORD)
-        force = np.zeros((len(self.keys), 3))
-        force[rows.own] = G[rows.slaves[rows.own], _FORCE]
+        rows, grid = self._located(rank), rank.grid
+        force = np.empty((len(self.keys), 3))
+        rank.call(take_vectors, grid.G, FORCE, rows.own, force)
         self._exchange(force, rows, 0)
         to = self.of, self.weights, rows.masters
-        rank.call(fold_vectors, rank.grid.G, FORCE, force, *to)
-        here = rows.slaves[rows.slaves >= 0]
-        G[here, _FORCE] = 0.0
-        G[here, MASS] = 0.0
-        there = rows.masters >= 0
-        G[rows.masters[there], MASS] = self._mass[there]
-        G[rows.copies[:, 1]] = G[rows.copies[:, 0]]
+        rank.call(fold_vectors, grid.G, FORCE, force, *to)
+        rank.call(leave_to_masters, grid.G, self._mass, rows.slaves, rows.masters)
+        records = grid.G.reshape(-1, RECORD)
+        records[rows.copies[:, 1]] = records[rows.copies[:, 0]]
 
     def spread(self, rank: RankState, values: np.ndarray, first: int) -> None:
         """Set vectors at slaves to what their masters' give; collective.
@@ -204,9 +204,8 @@ class Slaves(StepPart):
         if not needed(len(self.keys)):
             return
         rows = self._located(rank)
-        known = np.zeros((len(self.masters), 3))
-        there = rows.masters >= 0
-        known[there] = values.reshape(-1, RECORD)[rows.masters[there], first : first + 3]
+        known = np.empty((len(self.masters), 3))
+        rank.call(take_vectors, values, first, rows.masters, known)
         self._exchange(known, rows, 1)
         rank.call(spread_vectors, values, first, known, self.of, self.weights, rows.slaves)
         records, vector = values.reshape(-1, RECORD), slice(first, first + 3)
@@ -296,8 +295,8 @@ class Slaves(StepPart):
         first = np.concatenate(twice)[:, None] if ring else np.zeros((0, 1), np.int64)
         copies = np.hstack([first, first + ring * (rank.grid.window.stride[0] // RECORD)])
         self._rows = Rows(
-            slaves, own, masters, (near[0], near[1]), (have[0], have[1]), counts,
-            changed, changes[changed], layers, copies,
+            slaves, np.where(own, slaves, -1), masters, (near[0], near[1]), (have[0], have[1]),
+            counts, changed, changes[changed], layers, copies,
         )  # fmt: skip
         return self._rows
 

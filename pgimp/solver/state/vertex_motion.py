@@ -161,6 +161,9 @@ def _find_slaves(rank: Rank) -> None:
             held[place[axis] == number] *= 2.0
     rank.slaves.find(rank, Vertices(rank, keys, held, exact, faces), masses)
     rank.slaves.fold_masses(rank)
+    if rank.mean_dilatation:
+        rank.mean_dilatation.find(rank)
+        rank.outdate_cells()
 
 
 def _forget_unreached(rank: Rank) -> None:
