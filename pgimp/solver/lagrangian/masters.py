@@ -48,18 +48,24 @@ class Vertices(NamedTuple):
         return x, y, z, field
 
     @staticmethod
+    def period(rank: RankState, d: int) -> int:
+        """Number of vertices along an axis where the domain is periodic, else 0."""
+        domain = rank.scene.domain
+        return domain.frame.cells[d] if d < len(domain.periodic) and domain.periodic[d] else 0
+
+    @staticmethod
     def joined(rank: RankState, place: Sequence[np.ndarray], field: np.ndarray) -> np.ndarray:
         """Keys of vertices by their numbers along x, y, z, and fields; -1 beyond the grid.
 
         Vertices beyond a seam are those inside that they stand for.
         """
-        frame, periodic = rank.grid.frame, (*rank.scene.domain.periodic, False, False)
+        frame = rank.grid.frame
         found, inside = np.zeros(1, np.int64), np.ones(1, bool)
         sizes, most = Vertices.sizes(rank), (*frame.vertices, 1, 1)
         for d, size in enumerate((1, *sizes[:2])):
             at = place[d]
-            if periodic[d]:
-                at = frame.ghost + (at - frame.ghost) % frame.cells[d]
+            if period := Vertices.period(rank, d):
+                at = frame.ghost + (at - frame.ghost) % period
             inside = inside & (at >= 0) & (at < most[d])
             found = found * size + at
         return np.where(inside, found * sizes[2] + field, -1)
@@ -72,12 +78,6 @@ class Vertices(NamedTuple):
         return Vertices.joined(rank, (*number.T, none, none), field)
 
     @staticmethod
-    def strides(rank: RankState) -> tuple[int, ...]:
-        """Differences of the keys of neighbours, by direction."""
-        ny, nz, fields = Vertices.sizes(rank)
-        return (ny * nz * fields, nz * fields, fields)[: len(rank.grid.frame.cell)]
-
-    @staticmethod
     def cells_under(rank: RankState, rows: np.ndarray) -> np.ndarray:
         """Keys of the first vertices of the cells in which particles were at the start."""
         frame, p = rank.grid.frame, rank.population.columns
@@ -88,15 +88,11 @@ class Vertices(NamedTuple):
 
     @staticmethod
     def cells_of(rank: RankState, keys: np.ndarray) -> np.ndarray:
-        """Keys of the first vertices of the cells round some vertices."""
+        """Keys of the first vertices of the cells round some vertices, (2^D, n)."""
         *place, field = Vertices.numbers(rank, keys)
-        found = [
-            Vertices.joined(rank, [place[d] - corner[d] for d in range(3)], field)
-            for corner in (
-                (*each, 0, 0) for each in product((0, 1), repeat=len(rank.grid.frame.cell))
-            )
-        ]
-        return np.unique(np.concatenate(found))
+        corners = ((*each, 0, 0) for each in product((0, 1), repeat=len(rank.grid.frame.cell)))
+        moved = ([place[d] - corner[d] for d in range(3)] for corner in corners)
+        return np.array([Vertices.joined(rank, each, field) for each in moved])
 
     def field_of(self, keys: np.ndarray) -> np.ndarray:
         """Fields of vertices, by their keys."""

@@ -18,7 +18,6 @@ Whole cells that share it with none stay lattice cells, see `pgimp.solver.lagran
 
 from __future__ import annotations
 
-from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -33,6 +32,9 @@ from pgimp.solver.lagrangian.masters import Vertices
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import StepPart
+
+#: Above the distance of a cell from its root, along each direction.
+_FAR = 16
 
 
 class _Shared(NamedTuple):
@@ -65,18 +67,26 @@ class MeanDilatation(StepPart):
 
     def find(self, rank: RankState) -> None:
         """Find the cells with slaves, and their roots: with most of their slaves as masters."""
-        slaves, D = rank.slaves, self.scene.dimension
+        slaves = rank.slaves
         self._field = self._lattice = None
         self.cells = self.roots = np.zeros(0, np.int64)
         if not len(slaves.keys):
             return
-        strides, roots = Vertices.strides(rank), slaves.masters[slaves.of[:, 0]]
-        corners = [*product((0, 1), repeat=D)]
-        cells = np.concatenate([slaves.keys - np.dot(corner, strides) for corner in corners])
-        pairs, counts = np.unique([cells, np.tile(roots, len(corners))], axis=1, return_counts=True)
+        cells = Vertices.cells_of(rank, slaves.keys)
+        roots = np.broadcast_to(slaves.masters[slaves.of[:, 0]], cells.shape)[cells >= 0]
+        cells = cells[cells >= 0]
+        # Of roots with as many the first one, as seen from the cell: also across a seam.
+        away = np.zeros(len(cells), np.int64)
+        places = (Vertices.numbers(rank, keys)[:3] for keys in (cells, roots))
+        for d, (place, root) in enumerate(zip(*places, strict=True)):
+            step, period = root - place, Vertices.period(rank, d)
+            if period:
+                step = (step + period // 2) % period - period // 2
+            away = away * _FAR + step
+        pairs, counts = np.unique([cells, away, roots], axis=1, return_counts=True)
         pairs = pairs[:, np.lexsort((pairs[1], -counts, pairs[0]))]
         self.cells, first = np.unique(pairs[0], return_index=True)
-        self.roots = pairs[1, first]
+        self.roots = pairs[2, first]
 
     def shares(self, cells: np.ndarray) -> np.ndarray:
         """Whether cells share their dilatation with others."""
