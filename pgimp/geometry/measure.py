@@ -29,15 +29,13 @@ _TWO = (0.5 - np.sqrt(1.0 / 12.0), 0.5 + np.sqrt(1.0 / 12.0)), (0.5, 0.5)
 #: Likewise with products of inertia, whose integrands have two degrees more.
 _THREE = (0.5 - np.sqrt(0.15), 0.5, 0.5 + np.sqrt(0.15)), (5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0)
 
-#: Directions of the coordinates that each integral multiplies, by dimensions.
+#: Directions of the coordinates that each integral multiplies, by dimensions. The last two in 2D
+#: are for rings.
 MONOMIALS: tuple[tuple[tuple[int, ...], ...], ...] = (
     ((), (0,)),
-    ((), (0,), (1,), (0, 1)),
+    ((), (0,), (1,), (0, 1), (0, 0), (0, 0, 1)),
     ((), (0,), (1,), (2,), (1, 2), (0, 2), (0, 1), (0, 1, 2)),
 )
-
-#: Those of sections of rings.
-_RING = (*MONOMIALS[1], (0, 0), (0, 0, 1))
 
 #: Boxes per block; lines per block, times the number of parts of the region.
 _BATCH, _CROSSINGS = 16384, 1_000_000
@@ -57,24 +55,22 @@ class TangledError(Exception):
         )
 
 
-def measure(
-    region: Region, low: Points, high: Points, products: bool = False, ring: bool = False
-) -> tuple[Reals, Reals]:
+def measure(region: Region, low: Points, high: Points, products: int = 0) -> tuple[Reals, Reals]:
     """Measure the parts of boxes that lie in a region.
 
     Parameters
     ----------
     low, high : ndarray of float64, shape (n, D)
         Corners of the boxes.
-    products : bool
-        Whether to measure products of inertia, too; with `ring` those of sections of rings.
+    products : int
+        Number of products of inertia to measure, too.
 
     Returns
     -------
     volume : ndarray of float64, shape (n,)
-    moment : ndarray of float64, shape (n, D, 2^D - 1 or 5)
+    moment : ndarray of float64, shape (n, D + products)
         Integral over the part of the position relative to the box's centre. With `products` also
-        those of its components' products: xy in 2D; yz, xz, xy, xyz in 3D; xy, xx, xxy of rings.
+        those of its components' products: xy, then xx, xxy in 2D; yz, xz, xy, xyz in 3D.
 
     Raises
     ------
@@ -82,7 +78,7 @@ def measure(
         If the region has too many surfaces in one of the boxes.
     """
     n, D = low.shape
-    width = (len(_RING) if ring else 2**D) if products else 1 + D
+    width = 1 + D + products
     total = np.zeros((n, width))
     for begin in range(0, n, _BATCH):
         part = slice(begin, begin + _BATCH)
@@ -90,11 +86,6 @@ def measure(
         rows, a, b = pieces(region, low[part], high[part])
         _add(total[part], rows, _piece(region, a, b, centre[rows], width))
     return total[:, 0], total[:, 1:]
-
-
-def _monomials(D: int, width: int) -> tuple[tuple[int, ...], ...]:
-    """Directions of the coordinates of so many integrals."""
-    return _RING if width == len(_RING) else MONOMIALS[D - 1][:width]
 
 
 def _add(total: Reals, rows: Rows, parts: Reals) -> None:
@@ -162,7 +153,7 @@ def _piece(region: Region, low: Points, high: Points, centre: Points, width: int
     volume = np.ones(len(whole))
     for d in range(D):
         volume *= size[whole, d]
-    for column, axes in enumerate(_monomials(D, width)):
+    for column, axes in enumerate(MONOMIALS[D - 1][:width]):
         total[whole, column] = volume
         for d in sorted({*axes}):
             arm = middle[whole, d] - centre[whole, d]
@@ -247,7 +238,7 @@ def _integrate(
         at[:, axis] = left + nodes * width
         parts = _integrate(region, at, low[rows], high[rows], centre[rows], inner, columns)
         parts *= (weights * width)[:, None]
-        every, arm = _monomials(D, columns), at[:, axis] - centre[rows, axis]
+        every, arm = MONOMIALS[D - 1][:columns], at[:, axis] - centre[rows, axis]
         for k, monomial in enumerate(every):
             if many := monomial.count(axis):
                 others = tuple(d for d in monomial if d != axis)
@@ -262,7 +253,7 @@ def _integrate(
         parts[:, 0] = width
         arm = at[:, axis] - centre[rows, axis]
         parts[:, 1 + axis] = width * arm
-        if (axis, axis) in (every := _monomials(D, columns)):
+        if (axis, axis) in (every := MONOMIALS[D - 1][:columns]):
             parts[:, every.index((axis, axis))] = width * (arm * arm + width * width / 12.0)
         _add(total, rows, parts)
     return total

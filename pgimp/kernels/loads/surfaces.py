@@ -27,13 +27,11 @@ from pgimp.kernels.transfer.first_vertex import (
 )
 from pgimp.kernels.transfer.gather import gather_products
 from pgimp.kernels.transfer.parts import (
-    gather_bends,
     gather_between,
     keep_corners,
     product_count,
     read_products,
-    scatter_bends,
-    scatter_parts,
+    scatter_surface,
 )
 from pgimp.kernels.transfer.scatter import Share, scatter_products
 from pgimp.kernels.transfer.supports import SUPPORT_SIZE, keep_support
@@ -160,6 +158,12 @@ def _along(load, frame, x, part, own, d, vertex, like):
 
 
 @inlined
+def _bearing(load, D):
+    """First of the numbers of a part's products of inertia, see `Particles.bearing`."""
+    return load.column // (1 + D + D * D) * product_count(D) * (1 + D)
+
+
+@inlined
 def _keep_point(load, frame, window, particles, p, c, vertex, buffer):
     """Store a part's weights in its particle's cell, along the last directions, as many as in `c`.
 
@@ -172,7 +176,7 @@ def _keep_point(load, frame, window, particles, p, c, vertex, buffer):
     t = f - (vertex - frame.ghost) + c[0] * frame.inverse[d]
     keep_support(buffer, d, (1.0 - t, t), (-frame.inverse[d], frame.inverse[d]))
     if len(c) == 1:
-        number = load.column // (1 + D + D * D) * (1 + D) * product_count(D)
+        number = _bearing(load, D)
         keep_corners(buffer, read_products(particles.bearing, p, number, D), frame.origin, ())
         return 0
     x = coordinate(frame, particles, p, d + 1)
@@ -239,33 +243,45 @@ def _part(load, frame, particles, p):
     return f, _moved(load, frame, F, (c, N))
 
 
-@inlined
-def _pressure_at(load, frame, particles, p, F, c):
-    """Pressure at the centroid of a part."""
-    g, q = load.gradient, load.pressure
-    if g[0] != 0.0 or g[1] != 0.0 or g[2] != 0.0:
-        at, C = _position(particles, p, len(frame.origin)), columns(F)
-        for d in range(3):
-            q += g[d] * (at[d] + C[0][d] * c[0] + C[1][d] * c[1] + C[2][d] * c[2])
-        q = max(q, 0.0)
-    return q
-
-
 @inner_kernel
 def _couple(load, frame, particles, p, j, N, c):
     """First moment along `j` of a pressure's force on a part, about its centroid.
 
     Where a part is bent, or round an edge, its components act at different places.
     """
-    D = len(frame.origin)
-    F = deformation(frame, particles, p)
-    surface, first = particles.surface, load.column
-    q = _pressure_at(load, frame, particles, p, F, c)
+    D, surface, first = len(frame.origin), particles.surface, load.column
     n = (
         _moment(surface, p, first, D, j, 0) - c[j] * N[0],
         _moment(surface, p, first, D, j, 1) - c[j] * N[1],
         _moment(surface, p, first, D, j, 2) - c[j] * N[2],
     )
+    return _pressed(load, frame, particles, p, N, c, n)
+
+
+@inner_kernel
+def _spread(load, frame, particles, p, k, N, c):
+    """Moment of a pressure's force on a part by the `k`-th product of distances.
+
+    It is what one mean for all components of the force leaves.
+    """
+    D = len(frame.origin)
+    count, first = product_count(D), _bearing(load, D) + k
+    x, y = particles.bearing[p, first + count], particles.bearing[p, first + 2 * count]
+    z = particles.bearing[p, first + 3 * count] if D > 2 else 0.0
+    return _pressed(load, frame, particles, p, N, c, (x, y, z))
+
+
+@inner_kernel
+def _pressed(load, frame, particles, p, N, c, n):
+    """Moment of a pressure's force on a part, given that of its normal in the initial state."""
+    D = len(frame.origin)
+    F = deformation(frame, particles, p)
+    g, q = load.gradient, load.pressure
+    if g[0] != 0.0 or g[1] != 0.0 or g[2] != 0.0:
+        at, C = _position(particles, p, D), columns(F)
+        for d in range(3):
+            q += g[d] * (at[d] + C[0][d] * c[0] + C[1][d] * c[1] + C[2][d] * c[2])
+        q = max(q, 0.0)
     if load.follows:
         n = _cofactor(F, n)
     f = (-q * n[0], -q * n[1], -q * n[2])
@@ -274,47 +290,13 @@ def _couple(load, frame, particles, p, j, N, c):
 
 @inlined
 def _couples(load, frame, particles, p, part, like):
-    """First moments of the force on a part, for gradients along the directions, vectors (0, f)."""
+    """Moments of the force on a part, see `scatter_surface`, vectors (0, f)."""
     if len(like) == 0:
-        return ()
+        count = product_count(len(frame.origin))
+        each = tuple(_spread(load, frame, particles, p, k, part[1], part[0]) for k in range(count))
+        return tuple(pack(0.0, *f) for f in each)
     f = _couple(load, frame, particles, p, len(frame.origin) - len(like), part[1], part[0])
     return (pack(0.0, *f), *_couples(load, frame, particles, p, part, like[1:]))
-
-
-@inner_kernel
-def _bend(load, frame, particles, p, k, N, c):
-    """Moment `k`, of the products of inertia, of a pressure's force on a bent part.
-
-    Less what the part's own products, of its area, have of the force.
-    """
-    D = len(frame.origin)
-    F, wide, bearing = deformation(frame, particles, p), product_count(D), particles.bearing
-    surface, first = particles.surface, load.column
-    own = first // (1 + D + D * D) * (1 + D) * wide
-    x, y, z = -bearing[p, own + k] * N[0], -bearing[p, own + k] * N[1], -bearing[p, own + k] * N[2]
-    x += bearing[p, own + wide + k]
-    y += bearing[p, own + 2 * wide + k] if D > 1 else 0.0
-    z += bearing[p, own + 3 * wide + k] if D > 2 else 0.0
-    if D == 3 and k == 3:  # as the gradients of weights have the products, too
-        for j in range(3):
-            x -= bearing[p, own + j] * (_moment(surface, p, first, D, j, 0) - c[j] * N[0])
-            y -= bearing[p, own + j] * (_moment(surface, p, first, D, j, 1) - c[j] * N[1])
-            z -= bearing[p, own + j] * (_moment(surface, p, first, D, j, 2) - c[j] * N[2])
-    n, q = (x, y, z), _pressure_at(load, frame, particles, p, F, c)
-    if load.follows:
-        n = _cofactor(F, n)
-    f = (-q * n[0], -q * n[1], -q * n[2])
-    return profiled(load.profile, frame, _position(particles, p, D), F, (c, N), f)
-
-
-@inlined
-def _bends(load, frame, particles, p, part):
-    """Higher moments of the force on a part, vectors (0, f), in the order of the products."""
-    c, N = part
-    return tuple(
-        pack(0.0, *_bend(load, frame, particles, p, k, N, c))
-        for k in range(product_count(len(frame.origin)))
-    )
 
 
 @inlined
@@ -325,10 +307,7 @@ def _scatter(load, layout, particles, p, part, planes, support, f):
     force = pack(0.0, f[0], f[1], f[2])
     if by_parts(shape):
         couples = _couples(load, frame, particles, p, part, frame.origin)
-        share = Share((), force, couples, (), (), ())
-        scatter_parts(G, support, offset, stride, share)
-        bends = _bends(load, frame, particles, p, part)
-        return scatter_bends(G, support, offset, stride, bends, frame.origin)
+        return scatter_surface(G, support, offset, stride, force, couples, frame.origin)
     share = Share(zero, force, nothing, (), (), ())
     return scatter_products(shape, G, support, offset, stride, share)
 
@@ -344,9 +323,7 @@ def _power(load, layout, particles, p, acts, planes, support, half):
     if by_parts(shape):
         U, D = gather_between(G, support, offset, stride, half, like)
         couples = _couples(load, frame, particles, p, part, like)
-        bends = _bends(load, frame, particles, p, part)
-        E = gather_bends(G, support, offset, stride, half, like)
-        return _scalar(f, U) + _powers(couples, D) + _powers(bends, E)
+        return _scalar(f, U) + _powers(couples, D)
     U, A = gather_products(shape, G, support, offset, stride, like, (), ())[:2]
     return _scalar(f, U - half * A)
 
@@ -359,7 +336,7 @@ def _scalar(f, u):
 
 @inlined
 def _powers(couples, D):
-    """Sum of the products of first moments and velocity gradients."""
+    """Sum of the products of moments and derivatives of the velocity."""
     if len(couples) == 0:
         return 0.0
     f = couples[0]

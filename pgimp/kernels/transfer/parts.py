@@ -190,42 +190,6 @@ def scatter_parts(G, support, offset, stride, share, corner=()):
 
 
 @inlined
-def bend_weights(buffer, j, corner):
-    """Mixed derivatives of a corner's function at a centroid, in the order of the products."""
-    at = tuple(48 * d + 4 * corner[d] + j for d in range(len(corner)))
-    n, g = tuple(number(buffer, k) for k in at), tuple(number(buffer, k + 16) for k in at)
-    if len(n) == 1:
-        return ()
-    if len(n) == 2:
-        return (g[0] * g[1],)
-    return n[0] * g[1] * g[2], n[1] * g[0] * g[2], n[2] * g[0] * g[1], g[0] * g[1] * g[2]
-
-
-@inlined
-def scatter_bends(G, support, offset, stride, bends, like, corner=()):
-    """Add forces of higher moments, vectors, by the mixed derivatives of the corners' functions."""
-    if len(corner) < len(like):
-        scatter_bends(G, support, offset, stride[1:], bends, like, (*corner, 0))
-        scatter_bends(G, support, offset + stride[0], stride[1:], bends, like, (*corner, 1))
-        return
-    weights = bend_weights(support.buffer, support.j, corner)
-    if len(weights) == 0:
-        return
-    store(G, offset + 4, load(G, offset + 4) + _force(0.0, weights, (), bends))
-
-
-@inlined
-def gather_bends(G, support, offset, stride, half, like, corner=()):
-    """Mixed derivatives of what `gather_between` has the mean of."""
-    if len(corner) < len(like):
-        D = gather_bends(G, support, offset, stride[1:], half, like, (*corner, 0))
-        E = gather_bends(G, support, offset + stride[0], stride[1:], half, like, (*corner, 1))
-        return plus_scaled(1.0, D, E)
-    u = load(G, offset) - half * load(G, offset + 4)
-    return tuple(g * u for g in bend_weights(support.buffer, support.j, corner))
-
-
-@inlined
 def gather_parts(G, support, offset, stride, like, hoop, corner=()):
     """See `pgimp.kernels.transfer.gather.gather`; there is no `mean`."""
     if len(corner) < len(like):
@@ -242,8 +206,48 @@ def gather_parts(G, support, offset, stride, like, hoop, corner=()):
 
 
 @inlined
+def _product_weights(buffer, j, corner):
+    """Weights of products of distances at a corner: slopes along their directions, tents else."""
+    if len(corner) == 1:
+        return ()
+    at = tuple(48 * d + 4 * corner[d] + j for d in range(len(corner)))
+    n, g = tuple(number(buffer, a) for a in at), tuple(number(buffer, a + 16) for a in at)
+    if len(corner) == 2:
+        return (g[0] * g[1],)
+    yz = g[1] * g[2]
+    return n[0] * yz, g[0] * n[1] * g[2], g[0] * g[1] * n[2], g[0] * yz
+
+
+@inlined
+def scatter_surface(G, support, offset, stride, force, moments, like, corner=()):
+    """Add the force on a part of a surface, and its moments, to its cell.
+
+    Parameters
+    ----------
+    force : Vec4
+        (0, f).
+    moments : tuple of Vec4
+        First moments of the force along each direction, then those of products of distances, as
+        many as a part has products of inertia.
+    like : tuple
+        One entry a direction.
+    """
+    if len(corner) < len(like):
+        upper, rest = offset + stride[0], stride[1:]
+        scatter_surface(G, support, offset, rest, force, moments, like, (*corner, 0))
+        scatter_surface(G, support, upper, rest, force, moments, like, (*corner, 1))
+        return
+    N, dN = corner_weights(support.buffer, support.j, corner)
+    weights = (*dN, *_product_weights(support.buffer, support.j, corner))
+    store(G, offset + 4, load(G, offset + 4) + _force(N, weights, force, moments))
+
+
+@inlined
 def gather_between(G, support, offset, stride, half, like, corner=()):
-    """Mean over a part of the velocity less `half` times the acceleration, and its gradient."""
+    """Mean over a part of the velocity less `half` times the acceleration, and its derivatives.
+
+    These are the gradient, and what belongs to the products of distances of `scatter_surface`.
+    """
     if len(corner) < len(like):
         U, D = gather_between(G, support, offset, stride[1:], half, like, (*corner, 0))
         upper = offset + stride[0]
@@ -251,4 +255,4 @@ def gather_between(G, support, offset, stride, half, like, corner=()):
         return U + V, plus_scaled(1.0, D, E)
     N, dN = corner_weights(support.buffer, support.j, corner)
     u = load(G, offset) - half * load(G, offset + 4)
-    return N * u, tuple(g * u for g in dN)
+    return N * u, tuple(g * u for g in (*dN, *_product_weights(support.buffer, support.j, corner)))

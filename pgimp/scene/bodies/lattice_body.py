@@ -80,7 +80,7 @@ class LatticeBody:
         rings: bool = False,
     ) -> None:
         self.region, self.edges, self.centres, self.cut = region, edges, centres, cut
-        self.exact, self.rings = exact, rings
+        self.exact = exact
         self._products = PartParameters.products(len(edges), rings) if exact else 0
         low, high = region.bounds()
         self.box: Ranges = []
@@ -139,9 +139,7 @@ class LatticeBody:
 
     def _find_fractions(self, ranges: Ranges) -> VolumeFractions:
         """Volume fractions by the region's distances, and by integrals over cut boxes."""
-        # Sections of exact rings need more moments than regions find themselves.
-        alone = self.cut and not (self.exact and self.rings)
-        if alone and (found := self._fill(ranges)) is not None:
+        if self.cut and (found := self._fill(ranges)) is not None:
             return found
         shape = tuple(end - begin for begin, end in ranges)
         inside, mixed = self._bricks(ranges)
@@ -228,9 +226,7 @@ class LatticeBody:
         high = np.stack([e[i + 1] for e, i in zip(self.edges, index, strict=True)], axis=1)
         volume, moment = np.zeros(len(low)), np.zeros((len(low), self._width))
         for rows, region in self._neighbourhoods(index):
-            volume[rows], moment[rows] = measure(
-                region, low[rows], high[rows], self.exact, self.rings
-            )
+            volume[rows], moment[rows] = measure(region, low[rows], high[rows], self._products)
         return self._rounded(volume, moment)
 
     def _rounded(self, volume: Reals, moment: Reals) -> tuple[Reals, Reals]:

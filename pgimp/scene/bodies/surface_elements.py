@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from pgimp.geometry.measure import MONOMIALS, measure, pieces
 from pgimp.geometry.regions.base import Region
-from pgimp.scene.bodies.elements import PRODUCTS, Elements, Indices, Reals
+from pgimp.physics.shapes.parts import PartParameters
+from pgimp.scene.bodies.elements import Elements, Indices, Reals
 from pgimp.scene.bodies.lattice_body import LatticeBody
 
 #: Faces of the lattice, by axis and side.
@@ -29,9 +30,6 @@ _THIN, _LEAST = 1e-4, 1e-9
 
 #: Part of a piece's volume that is rounding.
 _ROUNDING = 1e-9
-
-#: Part of the squared area below which an area vector is that of no direction.
-_NONE = 1e-20
 
 #: Boxes from an element to the particle that carries it, at most.
 AWAY = 2
@@ -133,13 +131,13 @@ def _cut_elements(
         high[:, d] = a + (part[:, d] + 1) / parts * (b - a)
     near = _near(body, low, high) if len(low) else np.zeros(0, bool)
     box, low, high = box[near], low[near], high[near]
+    thin = 0.5 * _THIN * (high - low)  # the same for pieces side by side
     for region in cuts:
         row, low, high = pieces(region, low, high)
-        box = box[row]
-    n, size, products = len(box), high - low, MONOMIALS[D - 1][1 + D :] if body.exact else ()
+        box, thin = box[row], thin[row]
+    n, size = len(box), high - low
     area, moment = np.zeros((n, D)), np.zeros((n, D, D))
-    second = np.zeros((n, PRODUCTS[D - 1], D))
-    volume, inner = measure(body.region, low, high, body.exact)
+    volume = measure(body.region, low, high)[0]
     full = size.prod(axis=1)
     whole = volume > (1.0 - _ROUNDING) * full
     # Pieces without a surface inside, but for their faces, have an element for each of these.
@@ -148,66 +146,44 @@ def _cut_elements(
     for d in range(D):
         moment[:, d, d] += volume
         for side, at in ((-1.0, low), (1.0, high)):
-            # One thickness on both sides of a cut, or a surface that touches it lies in one slab.
             a, b = low.copy(), high.copy()
-            half = 0.5 * _THIN * (body.size[d] / parts if cuts else size[:, d])
-            a[:, d], b[:, d] = at[:, d] - half, at[:, d] + half
+            a[:, d], b[:, d] = at[:, d] - thin[:, d], at[:, d] + thin[:, d]
             if (d, int(side)) in closed:
                 end = body.edges[d][0 if side < 0.0 else -1]
                 if side < 0.0:
                     a[:, d] = np.maximum(a[:, d], end)
                 else:
                     b[:, d] = np.minimum(b[:, d], end)
-            inside, first = measure(body.region, a, b, body.exact)
+            inside, first = measure(body.region, a, b)
             thickness = b[:, d] - a[:, d]
-            half_size = 0.5 * side * size[:, d]
             face = inside / thickness
             area[:, d] -= side * face
             arms = np.zeros((n, D))
             for j in range(D):
-                arms[:, j] = half_size * face if j == d else first[:, j] / thickness
+                arms[:, j] = side * 0.5 * size[:, d] * face if j == d else first[:, j] / thickness
                 moment[:, j, d] -= side * arms[:, j]
-            more = np.zeros((n, PRODUCTS[D - 1]))
-            for k, axes in enumerate(products):
-                if d not in axes:
-                    more[:, k] = first[:, D + k] / thickness
-                else:
-                    rest = _column(axes, d)
-                    more[:, k] = half_size * first[:, rest] / thickness
-                    second[:, k, d] += 0.5 * inner[:, rest]  # once for each side
-                second[:, k, d] -= side * more[:, k]
             if plain.any():
                 missing = np.where(whole, full / size[:, d], 0.0) - face
                 arms[:, d] -= side * 0.5 * np.where(whole, full, 0.0)
-                sides.append(_side(d, side, missing, -side * arms, -side * more))
+                sides.append(_side(d, side, missing, -side * arms))
     there = np.zeros(n, bool)
     for d in range(D):
         there |= np.abs(area[:, d]) > _LEAST * (full / size[:, d])
-    found = Elements(box, 0.5 * (low + high), area, moment, 0.5 * size, second)
+    found = Elements(box, 0.5 * (low + high), area, moment, 0.5 * size)
     if not plain.any():
         return found.chosen(there)
     every = [found.chosen(there & ~plain)]
-    for of_side, moments, seconds, d in sides:
+    for of_side, moments, d in sides:
         some = plain & (np.abs(of_side[:, d]) > _LEAST * (full / size[:, d]))
-        own = found._replace(area=of_side, moment=moments, second=seconds)
-        every.append(own.chosen(some))
+        every.append(found._replace(area=of_side, moment=moments).chosen(some))
     return Elements(*map(np.concatenate, zip(*every, strict=True)))
 
 
-def _column(axes: tuple[int, ...], d: int) -> int:
-    """Column of moments with the product of the axes without `d`."""
-    rest = tuple(axis for axis in axes if axis != d)
-    return rest[0] if len(rest) == 1 else 3 + MONOMIALS[2][4:].index(rest)
-
-
-def _side(
-    d: int, side: float, missing: Reals, arms: Reals, more: Reals
-) -> tuple[Reals, Reals, Reals, int]:
+def _side(d: int, side: float, missing: Reals, arms: Reals) -> tuple[Reals, Reals, int]:
     """Area vectors and moments of the elements on a side of boxes, and the side's axis."""
-    n, D = arms.shape
-    area, moment, second = np.zeros((n, D)), np.zeros((n, D, D)), np.zeros((*more.shape, D))
-    area[:, d], moment[:, :, d], second[:, :, d] = side * missing, arms, more
-    return area, moment, second, d
+    area, moment = np.zeros(arms.shape), np.zeros((*arms.shape, arms.shape[1]))
+    area[:, d], moment[:, :, d] = side * missing, arms
+    return area, moment, d
 
 
 def _whole_elements(body: LatticeBody, ranges: Sequence[Indices], closed: Closed) -> Elements:
@@ -243,7 +219,7 @@ def _whole_elements(body: LatticeBody, ranges: Sequence[Indices], closed: Closed
         centre = 0.5 * (low + high)
         centre[:, d] = (low, high)[side > 0][:, d]
         half = 0.5 * np.where(np.arange(D) == d, 0.0, size)
-        parts.append(Elements.flat(box, centre, area, half))
+        parts.append(Elements(box, centre, area, np.zeros((len(box), D, D)), half))
     found = Elements(*map(np.concatenate, zip(*parts, strict=True)))
     return found.chosen(np.lexsort(found.box.T[::-1]))
 
@@ -307,14 +283,13 @@ def parts_of(body: LatticeBody, elements: Elements, x: Reals, ring: bool) -> tup
     -------
     parts : (n, width) float64
         Area, area vector, first moments.
-    products : (n, 0, 3 or 16) float64
-        Means of products of the distances from the part's centroid, see `PartParameters`; then
-        integrals of each over the area vector, by its components.
+    products : (n, (1 + D) (0, 1 or 4)) float64
+        Products of inertia, see `pgimp.kernels.data.particles.Particles.bearing`.
     """
     n, D = x.shape
     found = np.zeros((n, 1 + D + D * D))
     if not n or not len(elements.box):
-        return found, np.zeros((n, PRODUCTS[D - 1] * (1 + D)))
+        return found, np.zeros((n, (1 + D) * PartParameters.products(D)))
     goes = carriers(body, elements)
     whole = _together(body, elements) if ring else elements.area
     shape = tuple(len(e) + 2 for e in body.edges)
@@ -352,27 +327,30 @@ def _products(
     For `rings` with the area vectors from `_together`.
     """
     n, D = x.shape
-    wide = PRODUCTS[D - 1]
-    found = np.zeros((n, 1 + D, wide))
-    vector, loaded = parts[:, 1 : 1 + D], np.flatnonzero(parts[:, 0])
+    count = PartParameters.products(D)
+    found = np.zeros((n, (1 + D) * count))
+    loaded = np.flatnonzero(parts[:, 0])
+    vector = parts[:, 1 : 1 + D]
     moment = parts[:, 1 + D :].reshape(n, D, D)
-    square = (vector * vector).sum(axis=1)
-    some = square > _NONE * parts[:, 0] ** 2
-    centroid = x.copy()
-    centroid[some] += (moment * vector[:, None]).sum(axis=2)[some] / square[some, None]
-    area, second = elements.area, elements.about(centroid[row])
-    if rings is not None:  # they weigh with their radius; the rest as of straight strips
-        (a, b), (p, q) = (elements.centroid - centroid[row]).T, rings.T
-        more = (a * a * b + (q * q * b - 2.0 * a * p * q) / 12.0)[:, None] * area
-        second[:, 0] = 2.0 * np.pi * (centroid[row, :1] * second[:, 0] + more)
+    square = np.maximum((vector * vector).sum(axis=1), 1e-300)
+    centroid = x + (moment * vector[:, None]).sum(axis=2) / square[:, None]
+    arm, area = elements.centroid - centroid[row], elements.area
     size = np.sqrt((area * area).sum(axis=1))
-    along = (second * area[:, None]).sum(axis=2) / np.maximum(size, 1e-300)[:, None]
-    for k in range(wide):
-        np.add.at(found[:, 0, k], row, along[:, k])
+    for column, axes in enumerate(MONOMIALS[D - 1][1 + D : 2**D]):
+        product = arm[:, axes].prod(axis=1)
+        if rings is not None:  # straight strips, which weigh with their radius
+            r, (a, b), (p, q) = np.maximum(elements.centroid[:, 0], 0.0), arm.T, rings.T
+            product = 2.0 * np.pi * (r * product + (q * q * b - p * q * (r + a)) / 12.0)
+        elif len(axes) == 2:  # an element is straight, or a flat one as wide as long
+            i, j = axes
+            product -= area[:, i] * area[:, j] / (12.0 * (1.0 if D == 2 else size))
+        np.add.at(found[:, column], row, size * product)
         for d in range(D):
-            np.add.at(found[:, 1 + d, k], row, second[:, k, d])
-    found[loaded, 0] /= parts[loaded, 0, None]
-    return found.reshape(n, -1)
+            np.add.at(found[:, (1 + d) * count + column], row, area[:, d] * product)
+    found[loaded, :count] /= parts[loaded, 0, None]
+    for d in range(D):
+        found[:, (1 + d) * count : (2 + d) * count] -= found[:, :count] * vector[:, d, None]
+    return found
 
 
 def face_elements(body: LatticeBody, axis: int, side: int, planes: tuple[int, int]) -> Elements:
@@ -401,7 +379,7 @@ def face_elements(body: LatticeBody, axis: int, side: int, planes: tuple[int, in
     a, b = (np.stack([ends[d][k][box[:, d]] for d in range(D)], axis=1) for k in (0, 1))
     area = np.zeros(box.shape)
     area[:, axis] = side * np.where(np.arange(D) == axis, 1.0, b - a).prod(axis=1)
-    return Elements.flat(box, 0.5 * (a + b), area, 0.5 * (b - a))
+    return Elements(box, 0.5 * (a + b), area, np.zeros((len(box), D, D)), 0.5 * (b - a))
 
 
 #: Places in a box along each direction that tell elements apart.
