@@ -48,24 +48,18 @@ class Vertices(NamedTuple):
         return x, y, z, field
 
     @staticmethod
-    def period(rank: RankState, d: int) -> int:
-        """Number of vertices along an axis where the domain is periodic, else 0."""
-        domain = rank.scene.domain
-        return domain.frame.cells[d] if d < len(domain.periodic) and domain.periodic[d] else 0
-
-    @staticmethod
     def joined(rank: RankState, place: Sequence[np.ndarray], field: np.ndarray) -> np.ndarray:
         """Keys of vertices by their numbers along x, y, z, and fields; -1 beyond the grid.
 
         Vertices beyond a seam are those inside that they stand for.
         """
-        frame = rank.grid.frame
+        frame, periodic = rank.grid.frame, (*rank.scene.domain.periodic, False, False)
         found, inside = np.zeros(1, np.int64), np.ones(1, bool)
         sizes, most = Vertices.sizes(rank), (*frame.vertices, 1, 1)
         for d, size in enumerate((1, *sizes[:2])):
             at = place[d]
-            if period := Vertices.period(rank, d):
-                at = frame.ghost + (at - frame.ghost) % period
+            if periodic[d]:
+                at = frame.ghost + (at - frame.ghost) % frame.cells[d]
             inside = inside & (at >= 0) & (at < most[d])
             found = found * size + at
         return np.where(inside, found * sizes[2] + field, -1)
@@ -87,12 +81,20 @@ class Vertices(NamedTuple):
         return Vertices.key(rank, number, p.body[rows])
 
     @staticmethod
-    def cells_of(rank: RankState, keys: np.ndarray) -> np.ndarray:
-        """Keys of the first vertices of the cells round some vertices, (2^D, n)."""
+    def cells_round(rank: RankState, keys: np.ndarray) -> np.ndarray:
+        """Keys of the first vertices of the cells round each vertex, (2^D, n); -1 for none."""
         *place, field = Vertices.numbers(rank, keys)
-        corners = ((*each, 0, 0) for each in product((0, 1), repeat=len(rank.grid.frame.cell)))
-        moved = ([place[d] - corner[d] for d in range(3)] for corner in corners)
-        return np.array([Vertices.joined(rank, each, field) for each in moved])
+        corners = [(*each, 0, 0) for each in product((0, 1), repeat=len(rank.grid.frame.cell))]
+        found = [
+            Vertices.joined(rank, [place[d] - corner[d] for d in range(3)], field)
+            for corner in corners
+        ]
+        return np.stack(found)
+
+    @staticmethod
+    def cells_of(rank: RankState, keys: np.ndarray) -> np.ndarray:
+        """Keys of the first vertices of the cells round some vertices."""
+        return np.unique(Vertices.cells_round(rank, keys))
 
     def field_of(self, keys: np.ndarray) -> np.ndarray:
         """Fields of vertices, by their keys."""

@@ -18,7 +18,7 @@ Whole cells that share it with none stay lattice cells, see `pgimp.solver.lagran
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -30,11 +30,7 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.lagrangian.cells import LatticeCells
 from pgimp.solver.lagrangian.masters import Vertices
 from pgimp.solver.rank_state import RankState
-from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import StepPart
-
-#: Above the distance of a cell from its root, along each direction.
-_FAR = 16
 
 
 class _Shared(NamedTuple):
@@ -72,21 +68,16 @@ class MeanDilatation(StepPart):
         self.cells = self.roots = np.zeros(0, np.int64)
         if not len(slaves.keys):
             return
-        cells = Vertices.cells_of(rank, slaves.keys)
-        roots = np.broadcast_to(slaves.masters[slaves.of[:, 0]], cells.shape)[cells >= 0]
-        cells = cells[cells >= 0]
-        # Of roots with as many the first one, as seen from the cell: also across a seam.
-        away = np.zeros(len(cells), np.int64)
-        places = (Vertices.numbers(rank, keys)[:3] for keys in (cells, roots))
-        for d, (place, root) in enumerate(zip(*places, strict=True)):
-            step, period = root - place, Vertices.period(rank, d)
-            if period:
-                step = (step + period // 2) % period - period // 2
-            away = away * _FAR + step
-        pairs, counts = np.unique([cells, away, roots], axis=1, return_counts=True)
-        pairs = pairs[:, np.lexsort((pairs[1], -counts, pairs[0]))]
+        cells = Vertices.cells_round(rank, slaves.keys)
+        roots = np.broadcast_to(slaves.masters[slaves.of[:, 0]], cells.shape)
+        both = np.stack([cells, roots]).reshape(2, -1)
+        # Of equally many the one of the first corner, so that cells at seams choose alike.
+        pairs, corner, counts = np.unique(
+            both[:, both[0] >= 0], axis=1, return_index=True, return_counts=True
+        )
+        pairs = pairs[:, np.lexsort((corner, -counts, pairs[0]))]
         self.cells, first = np.unique(pairs[0], return_index=True)
-        self.roots = pairs[2, first]
+        self.roots = pairs[1, first]
 
     def shares(self, cells: np.ndarray) -> np.ndarray:
         """Whether cells share their dilatation with others."""
@@ -105,7 +96,7 @@ class MeanDilatation(StepPart):
         p.mean_stress[rows, 0] = (1.0 - p.isolation[rows, 0]) * mean
         self._average(rank, p.mean_stress)
 
-    def force_particles(self, rank: RankState, order: Order, t: Step, forcing: Forcing) -> Forcing:
+    def force_particles(self, rank: RankState, order: Order, t: Any, forcing: Forcing) -> Forcing:
         """Find the deformation gradients of the groups after the step; collective."""
         self._located(rank)
         p, scene = rank.population.columns, self.scene
