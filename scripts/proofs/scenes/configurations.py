@@ -140,7 +140,10 @@ def _flowing(entry):
     from pgimp.physics.materials import MATERIALS
 
     law = MATERIALS.get(entry["model"])  # of one's own there is none
-    return law is not None and law.model_validate(entry).flow_speed > 0.0
+    try:
+        return law is not None and law.model_validate(entry).flow_speed > 0.0
+    except ValueError:  # refused, as the scene will be
+        return False
 
 
 def along_the_axis(rng, scene):

@@ -7,6 +7,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from studies.harness import Table, options_of, origin
 from studies.scenes import ball, box, case_of, core
+from studies.surfaces.bores import PROBLEMS, errors
 
 from pgimp.kernels.data.motion import KEPT_MASS, KEPT_VELOCITY
 from pgimp.kernels.data.record import RECORD
@@ -137,7 +138,12 @@ def energy(surface, steps):
 
 def main():
     """Measure and print."""
-    what = options_of("surfaces", what={"nargs": "*"}).what or ("stress", "modes", "energy")
+    what = options_of("surfaces", what={"nargs": "*"}).what or (
+        "stress",
+        "modes",
+        "bores",
+        "energy",
+    )
     print(f"Measured on one core of {origin()}.\n")
     if "stress" in what:
         table = Table("stress over the exact one", *(f"`{each}`" for each in BOTH))
@@ -163,6 +169,15 @@ def main():
                     error = np.sqrt(((found / truth - 1.0) ** 2).mean())
                     texts.append(f"{100 * error:.2f} %, {most:.2f}")
                 table.add(f"{kind} of {cells} cells", *texts)
+        print(table.text())
+    if "bores" in what:
+        table = Table("errors at the bore: displacement; hoop stress, rms and greatest",
+                      *(f"`{each}`" for each in BOTH))  # fmt: skip
+        for problem in PROBLEMS:
+            for cells in (4, 8):
+                found = (errors(problem, cells, surface) for surface in BOTH)
+                texts = ("; ".join(f"{each:.2g}" for each in every) + " %" for every in found)
+                table.add(f"{problem[0]}, radius {cells} cells", *texts)
         print(table.text())
     if "energy" in what:
         table = Table("1e5 steps of a turning block", "greatest change of energy",
