@@ -19,7 +19,7 @@ Whole cells that share it with none stay lattice cells, see `pgimp.solver.lagran
 from __future__ import annotations
 
 from itertools import product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -31,7 +31,6 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.lagrangian.cells import LatticeCells
 from pgimp.solver.lagrangian.masters import Vertices
 from pgimp.solver.rank_state import RankState
-from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import StepPart
 
 
@@ -95,7 +94,7 @@ class MeanDilatation(StepPart):
         p.mean_stress[rows, 0] = (1.0 - p.isolation[rows, 0]) * mean
         self._average(rank, p.mean_stress)
 
-    def force_particles(self, rank: RankState, order: Order, t: Step, forcing: Forcing) -> Forcing:
+    def force_particles(self, rank: RankState, order: Order, t: Any, forcing: Forcing) -> Forcing:
         """Find the deformation gradients of the groups after the step; collective."""
         self._located(rank)
         p, scene = rank.population.columns, self.scene

@@ -94,7 +94,11 @@ def potential(sim, u):
     for k in groups.values():
         energy += 0.5 * bulk * V[k].sum() * ((V[k] * trace[k]).sum() / V[k].sum()) ** 2
     e = 0.5 * (F + F.transpose(0, 2, 1)) - 0.5 * trace[:, None, None] * np.eye(2)
-    return energy + (mu * V * (e * e).sum(axis=(1, 2))).sum(), len(groups), len({*map(tuple, first)})
+    return (
+        energy + (mu * V * (e * e).sum(axis=(1, 2))).sum(),
+        len(groups),
+        len({*map(tuple, first)}),
+    )
 
 
 def test_forces_are_those_of_a_potential():

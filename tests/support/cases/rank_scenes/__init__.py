@@ -21,6 +21,7 @@ from rank_scenes.flights import (
 from rank_scenes.gauged import GAUGED, gauged
 from rank_scenes.initial_bodies import (
     both_configurations,
+    exact_means,
     exact_surfaces,
     initial,
     initial_contact,
@@ -82,6 +83,7 @@ SCENES = (
             flowing,
             initial,
             exact_surfaces,
+            exact_means,
             initial_stages,
             initial_contact,
             initial_lattice,
