@@ -106,11 +106,8 @@ SCENES = (
         Exclusion(f.exact_surface, feature, f"{why}:", "take surface: cut")
         for feature, why in (
             (f.beyond_cells, "is for particles that are points or boxes in cells, not {b.name}"),
-            (f.axisymmetric, "does not know rings yet"),
             (f.points, "is for bodies on the lattice, but '{b.name}' comes from a file"),
-            (f.meetings, "does not know {b.name} yet"),
             (f.averaged, "does not know the averaged mass yet"),
-            (g.periodic, "does not know periodic faces yet"),
         )
     ),
     # Periodic faces.

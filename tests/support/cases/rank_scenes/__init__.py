@@ -22,6 +22,8 @@ from rank_scenes.gauged import GAUGED, gauged
 from rank_scenes.initial_bodies import (
     both_configurations,
     exact_means,
+    exact_rings,
+    exact_round,
     exact_surfaces,
     initial,
     initial_contact,
@@ -84,6 +86,8 @@ SCENES = (
             initial,
             exact_surfaces,
             exact_means,
+            exact_round,
+            exact_rings,
             initial_stages,
             initial_contact,
             initial_lattice,
