@@ -72,12 +72,6 @@ class Vertices(NamedTuple):
         return Vertices.joined(rank, (*number.T, none, none), field)
 
     @staticmethod
-    def strides(rank: RankState) -> tuple[int, ...]:
-        """Differences of the keys of neighbours, by direction."""
-        ny, nz, fields = Vertices.sizes(rank)
-        return (ny * nz * fields, nz * fields, fields)[: len(rank.grid.frame.cell)]
-
-    @staticmethod
     def cells_under(rank: RankState, rows: np.ndarray) -> np.ndarray:
         """Keys of the first vertices of the cells in which particles were at the start."""
         frame, p = rank.grid.frame, rank.population.columns
@@ -87,16 +81,20 @@ class Vertices(NamedTuple):
         return Vertices.key(rank, number, p.body[rows])
 
     @staticmethod
-    def cells_of(rank: RankState, keys: np.ndarray) -> np.ndarray:
-        """Keys of the first vertices of the cells round some vertices."""
+    def cells_round(rank: RankState, keys: np.ndarray) -> np.ndarray:
+        """Keys of the first vertices of the cells round each vertex, (2^D, n); -1 for none."""
         *place, field = Vertices.numbers(rank, keys)
+        corners = [(*each, 0, 0) for each in product((0, 1), repeat=len(rank.grid.frame.cell))]
         found = [
             Vertices.joined(rank, [place[d] - corner[d] for d in range(3)], field)
-            for corner in (
-                (*each, 0, 0) for each in product((0, 1), repeat=len(rank.grid.frame.cell))
-            )
+            for corner in corners
         ]
-        return np.unique(np.concatenate(found))
+        return np.stack(found)
+
+    @staticmethod
+    def cells_of(rank: RankState, keys: np.ndarray) -> np.ndarray:
+        """Keys of the first vertices of the cells round some vertices."""
+        return np.unique(Vertices.cells_round(rank, keys))
 
     def field_of(self, keys: np.ndarray) -> np.ndarray:
         """Fields of vertices, by their keys."""

@@ -18,7 +18,6 @@ Whole cells that share it with none stay lattice cells, see `pgimp.solver.lagran
 
 from __future__ import annotations
 
-from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -64,15 +63,15 @@ class MeanDilatation(StepPart):
 
     def find(self, rank: RankState) -> None:
         """Find the cells with slaves, and their roots: with most of their slaves as masters."""
-        slaves, D = rank.slaves, self.scene.dimension
+        slaves = rank.slaves
         self._field = self._lattice = None
         self.cells = self.roots = np.zeros(0, np.int64)
         if not len(slaves.keys):
             return
-        strides, roots = Vertices.strides(rank), slaves.masters[slaves.of[:, 0]]
-        corners = [*product((0, 1), repeat=D)]
-        cells = np.concatenate([slaves.keys - np.dot(corner, strides) for corner in corners])
-        pairs, counts = np.unique([cells, np.tile(roots, len(corners))], axis=1, return_counts=True)
+        cells = Vertices.cells_round(rank, slaves.keys)
+        roots = np.broadcast_to(slaves.masters[slaves.of[:, 0]], cells.shape)
+        both = np.stack([cells, roots]).reshape(2, -1)
+        pairs, counts = np.unique(both[:, both[0] >= 0], axis=1, return_counts=True)
         pairs = pairs[:, np.lexsort((pairs[1], -counts, pairs[0]))]
         self.cells, first = np.unique(pairs[0], return_index=True)
         self.roots = pairs[1, first]
