@@ -266,8 +266,8 @@ FITTED = {
     RECOVERED: Field(
         lambda source: np.stack(_six(source.take("sigma")), axis=1),
         "stress where the particle is, or at the place that a probe names, by a linear fit to the "
-        "body's particles within a cell: its error is of second order, at surfaces too; of bodies "
-        "in the initial configuration [stress]",
+        "body's particles within a cell, which is better than `stress`, most of all at surfaces; "
+        "of bodies in the initial configuration [stress]",
         components=TENSOR,
         kind="Matrix",
     )

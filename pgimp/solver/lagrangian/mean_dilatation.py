@@ -71,8 +71,11 @@ class MeanDilatation(StepPart):
         cells = Vertices.cells_round(rank, slaves.keys)
         roots = np.broadcast_to(slaves.masters[slaves.of[:, 0]], cells.shape)
         both = np.stack([cells, roots]).reshape(2, -1)
-        pairs, counts = np.unique(both[:, both[0] >= 0], axis=1, return_counts=True)
-        pairs = pairs[:, np.lexsort((pairs[1], -counts, pairs[0]))]
+        # Of equally many the one of the first corner, so that cells at seams choose alike.
+        pairs, corner, counts = np.unique(
+            both[:, both[0] >= 0], axis=1, return_index=True, return_counts=True
+        )
+        pairs = pairs[:, np.lexsort((corner, -counts, pairs[0]))]
         self.cells, first = np.unique(pairs[0], return_index=True)
         self.roots = pairs[1, first]
 

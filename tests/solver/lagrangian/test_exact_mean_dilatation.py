@@ -29,7 +29,7 @@ def box(low, size):
     return {"box": {"min": list(low), "max": (np.array(low) + size).tolist()}}
 
 
-@pytest.mark.parametrize("low", [(1.37, 1.21), (1.98, 2.4)])
+@pytest.mark.parametrize("low", [(1.37, 1.21), (1.999, 2.4)])
 def test_uniform_stress_of_a_block(low):
     """Under a traction, with slaves on two sides and cells that hold a thousandth."""
     loads = {
@@ -60,6 +60,20 @@ def test_uniform_pressure_on_a_ball(D):
     finish(sim)
     normal = sim.particles.sigma[sim.live()][:, :D]
     np.testing.assert_allclose(normal, -PUSH, rtol=0.03)
+
+
+@pytest.mark.wide
+def test_uniform_pressure_on_rings():
+    """A ball that is cut anywhere, on the axis."""
+    balls = [{"ball": {"centre": [0.0, 3.13], "radius": 2.3}}, box([0.0, 0.0], 7.0)]
+    load = {"all": {"body": "body", "region": box([0.0, 0.0], 7.0), "pressure": PUSH}}
+    case = cut_body(
+        2, {"intersection": balls}, 0.499, cells=[7, 7], end=2.0, step={"courant": 0.5},
+        tractions=load, damping={"mass": 12.0}, geometry="axisymmetric",
+    )  # fmt: skip
+    sim = start(case)
+    finish(sim)
+    np.testing.assert_allclose(sim.particles.sigma[sim.live()][:, :3], -PUSH, rtol=5e-3)
 
 
 def potential(sim, u):
