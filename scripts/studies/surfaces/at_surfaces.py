@@ -1,4 +1,4 @@
-"""Stress at surfaces where it varies: a hole, a bore, a bent beam; and a beam that must not lock."""
+"""Stress at surfaces where it varies: hole, bore, bent beam; and a beam that must not lock."""
 
 import numpy as np
 from studies.hard.cantilever import mean_deflection
