@@ -7,6 +7,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from studies.harness import Table, options_of, origin
 from studies.scenes import ball, box, case_of, core
+from studies.surfaces import at_surfaces
 from studies.surfaces.bores import PROBLEMS, errors
 
 from pgimp.kernels.data.motion import KEPT_MASS, KEPT_VELOCITY
@@ -17,6 +18,7 @@ BOTH = ("cut", "exact")
 #: Low corners of blocks, or what is added to centres, in cells.
 OFFSETS = ((0.37, 0.21), (0.2, 0.6), (0.97, 0.02))
 PUSH = 1e-3
+WHAT = ("stress", "modes", "bores", "energy", "surfaces", "locking")
 
 
 def made(size, region, surface, end, **parts):
@@ -138,12 +140,7 @@ def energy(surface, steps):
 
 def main():
     """Measure and print."""
-    what = options_of("surfaces", what={"nargs": "*"}).what or (
-        "stress",
-        "modes",
-        "bores",
-        "energy",
-    )
+    what = options_of("surfaces", what={"nargs": "*"}).what or WHAT
     print(f"Measured on one core of {origin()}.\n")
     if "stress" in what:
         table = Table("stress over the exact one", *(f"`{each}`" for each in BOTH))
@@ -184,6 +181,40 @@ def main():
                       "of the last fifth's mean", "of spin")  # fmt: skip
         for surface in BOTH:
             table.add(f"`{surface}`", *(f"{each:.1e}" for each in energy(surface, 100_000)))
+        print(table.text())
+    if "surfaces" in what:
+        titles = ("", "`cut`, stress", "recovered", "`exact`, stress", "recovered")
+        table = Table("hoop stress: greatest at the surface; rms at particles there", *titles[1:])
+        for words, measure, radii in (
+            ("hole, 3 is right", at_surfaces.hole, (4, 8, 16)),
+            ("bore, 1.667 is right", at_surfaces.bore, (4, 8)),
+        ):
+            for radius in radii:
+                texts = []
+                for surface in BOTH:
+                    found = [measure(radius, each, surface) for each in at_surfaces.OFFSETS]
+                    own, there, error, errors = np.max(found, axis=0)
+                    texts += [f"{own:.2f}; {error:.3f}", f"{there:.2f}; {errors:.3f}"]
+                table.add(f"{words}: radius {radius} cells", *texts)
+        print(table.text())
+        table = Table("stress at the top of a bent beam over the exact one", *titles[1:])
+        for height in (4, 8):
+            texts = []
+            for surface in BOTH:
+                found = [at_surfaces.beam(height, s, surface) for s in at_surfaces.SHIFTS]
+                texts += [
+                    f"{min(each):.3f} to {max(each):.3f}" for each in zip(*found, strict=True)
+                ]
+            table.add(f"{height} cells", *texts)
+        print(table.text())
+    if "locking" in what:
+        table = Table("cantilever, Poisson's ratio 0.4999, mean dilatation", *BOTH)
+        for cells in (4, 8):
+            texts = []
+            for surface in BOTH:
+                found = [at_surfaces.locked(cells, s, surface) for s in at_surfaces.SHIFTS]
+                texts.append(f"{100 * min(found):+.1f} to {100 * max(found):+.1f} %")
+            table.add(f"{cells} cells", *texts)
         print(table.text())
 
 

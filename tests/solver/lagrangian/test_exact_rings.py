@@ -114,11 +114,12 @@ def across(shift, volumetric="pointwise"):
     return slaves, np.hstack([p.v[rows], p.sigma[rows], p.F[rows]])[order]
 
 
+@pytest.mark.parametrize("volumetric", ["pointwise", pytest.param("mean", marks=pytest.mark.wide)])
 @pytest.mark.parametrize("shift", [(5.0, 0.0), (0.0, 4.0), (5.0, 4.0), (4.0, 5.0)])
-def test_a_body_across_seams_is_the_same_body(shift):
+def test_a_body_across_seams_is_the_same_body(shift, volumetric):
     """Also where masters are on the other side of a seam."""
-    slaves, found = across(np.array(shift))
-    first, truth = across(np.zeros(2))
+    slaves, found = across(np.array(shift), volumetric)
+    first, truth = across(np.zeros(2), volumetric)
     assert slaves == first > 4
     np.testing.assert_allclose(found, truth, atol=1e-12)
 

@@ -28,6 +28,7 @@ from rank_scenes.gauged import GAUGED, gauged
 from rank_scenes.initial_bodies import (
     both_configurations,
     exact_contact,
+    exact_means,
     exact_rings,
     exact_round,
     exact_surfaces,
@@ -92,6 +93,7 @@ SCENES = (
             initial,
             exact_surfaces,
             exact_contact,
+            exact_means,
             exact_round,
             exact_rings,
             initial_stages,

@@ -71,6 +71,18 @@ def exact_surfaces():
     )
 
 
+def exact_means():
+    """The same bodies with mean dilatation, and stresses recovered from neighbours."""
+    case = exact_surfaces()
+    case["method"]["volumetric"] = "mean"
+    case["output"]["fields"] = [*EVERYTHING, "recovered-stress"]
+    case["probes"] = {
+        name: {"body": body, "at": at, "fields": ["recovered-stress"], "every": {"steps": 10}}
+        for name, body, at in (("top", "bar", [7.3, 2.98]), ("side", "disk", [7.2, 5.4]))
+    }
+    return case
+
+
 def _within(cells, *regions):
     """The part of some regions in the domain."""
     return {"intersection": [{"union": regions}, {"box": {"min": [0.0, 0.0], "max": cells}}]}
