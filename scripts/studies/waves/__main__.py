@@ -1,8 +1,8 @@
 """Measures waves with lumped and with averaged mass; see scripts/waves."""
 
 import numpy as np
-from studies.harness import options_of, origin, table
-from studies.waves import bars, bodies, dispersion
+from studies.harness import options_of, origin, put, table
+from studies.waves import bars, bodies, costs, dispersion
 
 MASSES = ("lumped", "averaged")
 
@@ -24,8 +24,8 @@ def speeds():
 
 def main():
     """Measure what is asked for, and print its tables."""
-    what = {"nargs": "*", "among": ("numbers", "speeds", "pulse", "bodies"), "metavar": "WHAT"}
-    options = options_of("waves", what=what)
+    what = {"nargs": "*", "among": ("numbers", "speeds", "pulse", "bodies", "costs"), "metavar": "WHAT"}
+    options = options_of("waves", what=what, docs="write the tables of costs into the pages")
     chosen = options.what or what["among"][1:]
     measured = f"Measured by `scripts/waves` on one core of {origin()}."
     if "numbers" in chosen:
@@ -41,3 +41,12 @@ def main():
     if "bodies" in chosen:
         titles = ["body", "lumped, rms [%]", "averaged, rms [%]", "highest frequency over lumped"]
         print(table(titles, bodies.rows(), measured))
+    if "costs" in chosen:
+        titles = ["mass", "cells a wave", "particles", "error of P, S waves [%]", "CPU seconds",
+                  "over lumped"]  # fmt: skip
+        found = {"waves-cost": table(titles, costs.waves(), measured)}
+        titles = ["", "particles", "million particle-steps/s", "speed over the other's"]
+        found["initial-costs"] = table(titles, costs.steps(), measured)
+        print("\n".join(found.values()))
+        if options.docs:
+            put(found)
