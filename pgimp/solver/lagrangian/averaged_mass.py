@@ -22,8 +22,8 @@ from pgimp.solver.vertices import StepPart, VertexUpdate
 #: Tags of messages with accelerations.
 _UP, _DOWN = 23, 24
 
-#: Numbers of accelerations that are found and used together: with forces 1.5 MB.
-_CACHED = 1 << 16
+#: Numbers of accelerations that are found and used together: with forces 3 MB.
+_CACHED = 1 << 17
 
 
 class AveragedMass(StepPart):
@@ -42,11 +42,10 @@ class AveragedMass(StepPart):
         self._known: Field | None = None
         self._rows: MassRows | None = None
         self._accelerations = self._buffer = np.empty(0)
-        #: Arguments of `average_forces` in this step, and the plane below which accelerations are
-        #: known; whether forces are left to `by_planes`.
+        #: First arguments of `average_forces` in this step; whether forces are left to `by_planes`,
+        #: and accelerations, too.
         self._arguments: tuple[Any, ...] = ()
-        self._known_below = 0
-        self._left = False
+        self._left = self._streams = False
 
     @property
     def lumped(self) -> np.ndarray:
@@ -62,56 +61,67 @@ class AveragedMass(StepPart):
         half = grid.window.stride[0] // 2
         if self._known is not field:
             self._known, self._rows = field, find_rows(rank, self.alpha)
-            self._accelerations = aligned((grid.planes + 2 * reach) * half)
             self._buffer = aligned(half)
-        forcing, A = update.forcing, self._accelerations
-        setting = frame, field, update.faces
-        rest = np.empty((len(domain.faces), 3)), A, reach, self._rows
-        every = (0, grid.planes), (0, 0), self._buffer
-        if rank.grips and rank.grips.acts:  # they move by the accelerations of what they hold
-            rank.call(average_forces, *setting, forcing, *rest, *every)
-            constraints = rank.grips.forecast(rank, update, A, reach)
-            forcing = forcing._replace(marked=(constraints, *forcing.marked[1:]))
-        self._arguments, self._known_below = (*setting, forcing, *rest), 0
         mirrors = *domain.absorbing_mirrors, *domain.mirrors
         images = *domain.seams, *sorted(mirrors, key=lambda each: each.releases)  # as sums fold
-        if images or rank.slab.neighbours:
-            rank.call(average_forces, *self._arguments, *every)
-            self._known_below = grid.planes
-            for each in reversed(images):
-                rank.call(copy_accelerations, frame, field, each, A, reach)
-            self._exchange(rank, reach)
-        self._left = rank.contact.by_planes and not images
+        acts, self._left = rank.grips and rank.grips.acts, rank.contact.by_planes and not images
+        self._streams = self._left and not (acts or rank.slab.neighbours)
+        forcing, setting = update.forcing, (frame, field, update.faces)
+        scratch = np.empty((len(domain.faces), 3))
+        if self._streams:
+            self._arguments = *setting, forcing, scratch
+            return
+        A, rows = self._room(grid.planes, reach), self._rows
+        every = (0, grid.planes), (0, 0), self._buffer
+        if acts:  # they move by the accelerations of what they hold
+            rank.call(average_forces, *setting, forcing, scratch, A, reach, rows, *every)
+            constraints = rank.grips.forecast(rank, update, A, reach)
+            forcing = forcing._replace(marked=(constraints, *forcing.marked[1:]))
+        self._arguments = *setting, forcing, scratch
+        rank.call(average_forces, *self._arguments, A, reach, rows, *every)
+        for each in reversed(images):
+            rank.call(copy_accelerations, frame, field, each, A, reach)
+        self._exchange(rank, reach)
         if not self._left:
-            self._average(rank, 0, grid.planes)
+            planes = (0, 0), (0, grid.planes), self._buffer
+            rank.call(average_forces, *self._arguments, A, reach, rows, *planes)
         for each in images:
             rank.call(fold_forces, frame, field, each, forcing.dt, update.ledger)
 
     def by_planes(self, rank: RankState) -> Iterator[np.ndarray]:
         """Average forces that `add_forces` has left; yield which planes may then be updated.
 
-        Forces of a few planes are still in the cache then, as they are when they are averaged.
+        Forces of a few planes are still in the cache then. So are accelerations: where no others
+        need them, there are only those of the same planes, and of planes beside them.
         """
         if not self._left:
             yield rank.grid.active
             return
-        grid, active = rank.grid, np.zeros_like(rank.grid.active)
-        size = max(1, _CACHED // len(self._buffer))
-        for first in range(0, grid.planes, size):
-            last = min(first + size, grid.planes)
-            self._average(rank, first, last)
+        assert self._rows
+        self._left, grid, rows, half = False, rank.grid, self._rows, len(self._buffer)
+        active, count = np.zeros_like(grid.active), grid.planes
+        size, far = max(1, min(_CACHED // half, count)), rows.reach
+        reach, known, A = grid.vertices - 1, count, self._accelerations
+        if self._streams:
+            known, A = 0, self._room(size, far)
+        for first in range(0, count, size):
+            last, ahead = min(first + size, count), known
+            if self._streams:
+                reach, known = far - first, min(first + size + far, count)
+            planes = (ahead, known), (first, last), self._buffer
+            rank.call(average_forces, *self._arguments, A, reach, rows, *planes)
+            if self._streams:
+                A[: 2 * far * half] = A[size * half :]
             active.fill(0)
             active[first:last] = grid.active[first:last]
             yield active
-        self._left = False
 
-    def _average(self, rank: RankState, first: int, last: int) -> None:
-        """Take alpha (C - L) a from the forces of planes, all of those before them done."""
-        assert self._rows
-        until = min(last + self._rows.reach, rank.grid.planes)
-        found = self._known_below, max(self._known_below, until)
-        rank.call(average_forces, *self._arguments, found, (first, last), self._buffer)
-        self._known_below = found[1]
+    def _room(self, planes: int, beyond: int) -> np.ndarray:
+        """Room for the accelerations of some planes, and of those `beyond` on either side."""
+        size = (planes + 2 * beyond) * len(self._buffer)
+        if len(self._accelerations) != size:
+            self._accelerations = aligned(size)
+        return self._accelerations
 
     def _exchange(self, rank: RankState, reach: int) -> None:
         """Get the accelerations of planes that only the neighbours have; collective."""

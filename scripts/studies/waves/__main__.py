@@ -24,7 +24,11 @@ def speeds():
 
 def main():
     """Measure what is asked for, and print its tables."""
-    what = {"nargs": "*", "among": ("numbers", "speeds", "pulse", "bodies", "costs"), "metavar": "WHAT"}
+    what = {
+        "nargs": "*",
+        "among": ("numbers", "speeds", "pulse", "bodies", "costs"),
+        "metavar": "WHAT",
+    }
     options = options_of("waves", what=what, docs="write the tables of costs into the pages")
     chosen = options.what or what["among"][1:]
     measured = f"Measured by `scripts/waves` on one core of {origin()}."
