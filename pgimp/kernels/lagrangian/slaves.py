@@ -4,7 +4,6 @@ See `pgimp.solver.lagrangian.slaves`.
 """
 
 from pgimp.jit.kernel import kernel
-from pgimp.kernels.data.motion import KEPT_MASS
 from pgimp.kernels.data.record import FORCE, MASS, RECORD
 
 
@@ -28,24 +27,26 @@ def take_vectors(values, first, rows, found):
 
 
 @kernel
-def leave_to_masters(G, kept, slaves, masters):
-    """Take the forces from slaves, and set the masses that they and their masters keep.
+def leave_to_masters(G, mass, slaves, masters):
+    """Take forces and masses from slaves, and set the masses that their masters have with them.
 
     Parameters
     ----------
-    G, kept : (records * RECORD,) float64
-        Records of the sums, and of the motion.
+    G : (records * RECORD,) float64
+        Records of the sums.
+    mass : (m,) float64
+        Masses of the masters.
     slaves, masters : (n,) int64, (m,) int64
         Numbers of their records; -1 for those of other ranks.
     """
     for row in slaves:
         if row >= 0:
-            G[row * RECORD + MASS] = kept[row * RECORD + KEPT_MASS]
+            G[row * RECORD + MASS] = 0.0
             for d in range(3):
                 G[row * RECORD + FORCE + d] = 0.0
-    for row in masters:
-        if row >= 0:
-            G[row * RECORD + MASS] = kept[row * RECORD + KEPT_MASS]
+    for m in range(len(masters)):
+        if masters[m] >= 0:
+            G[masters[m] * RECORD + MASS] = mass[m]
 
 
 @kernel

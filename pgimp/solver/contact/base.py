@@ -16,6 +16,7 @@ from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import VertexUpdate
 
 if TYPE_CHECKING:
+    from pgimp.kernels.contact.lagrangian.reference_grid import Changes
     from pgimp.solver.contact.free_bodies import FreeBodies
 
 
@@ -41,6 +42,10 @@ class NoContact:
     fields: tuple[int, ...] = ()
     free: FreeBodies | None = None  #: The rigid bodies that move freely, if any.
     data: Any = ()  #: Contact or (): The kernels' data for contact vertices; () without any.
+
+    #: What contact has changed in the last step at vertices of all ranks, in the initial
+    #: configuration; None if nothing touched.
+    changes: Changes | None = None
 
     def __init__(self, scene: Scene, comm: Communicator) -> None:
         self.scene, self.comm = scene, comm

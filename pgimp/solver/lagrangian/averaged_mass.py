@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from pgimp.decomposition.grid import aligned
+from pgimp.jit.rehearsal import needed
+from pgimp.kernels.contact.lagrangian.reference_grid import add_accelerations
 from pgimp.kernels.data.arguments import Field
 from pgimp.kernels.grid.image_values import copy_accelerations
 from pgimp.kernels.grid.mirror import fold_forces
@@ -31,6 +33,9 @@ class AveragedMass(StepPart):
 
     While a run comes to rest the lumped mass is enough.
 
+    Contact acts later in a step. Accelerations have that of its last step: what rests on another
+    body stays in equilibrium, and a wave meets the mass that it should.
+
     Attributes
     ----------
     alpha : (bodies,) float64
@@ -46,6 +51,9 @@ class AveragedMass(StepPart):
         #: and accelerations, too.
         self._arguments: tuple[Any, ...] = ()
         self._left = self._streams = False
+        #: keys, pushed: (m,) int64, (m, 3) float64: What contact added to accelerations of vertices
+        #: in the last step.
+        self._keys, self._pushed = np.empty(0, np.int64), np.empty((0, 3))
 
     @property
     def lumped(self) -> np.ndarray:
@@ -65,7 +73,8 @@ class AveragedMass(StepPart):
         mirrors = *domain.absorbing_mirrors, *domain.mirrors
         images = *domain.seams, *sorted(mirrors, key=lambda each: each.releases)  # as sums fold
         acts, self._left = rank.grips and rank.grips.acts, rank.contact.by_planes and not images
-        self._streams = self._left and not (acts or rank.slab.neighbours)
+        pressed = rank.contact.bears and needed(len(self._keys))
+        self._streams = self._left and not (acts or pressed or rank.slab.neighbours)
         forcing, setting = update.forcing, (frame, field, update.faces)
         scratch = np.empty((len(domain.faces), 3))
         if self._streams:
@@ -79,6 +88,8 @@ class AveragedMass(StepPart):
             forcing = forcing._replace(marked=(constraints, *forcing.marked[1:]))
         self._arguments = *setting, forcing, scratch
         rank.call(average_forces, *self._arguments, A, reach, rows, *every)
+        if pressed:
+            rank.call(add_accelerations, frame, field, self._keys, self._pushed, A, reach)
         for each in reversed(images):
             rank.call(copy_accelerations, frame, field, each, A, reach)
         self._exchange(rank, reach)
@@ -122,6 +133,23 @@ class AveragedMass(StepPart):
         if len(self._accelerations) != size:
             self._accelerations = aligned(size)
         return self._accelerations
+
+    def book(self, rank: RankState, update: VertexUpdate) -> None:
+        """Keep what contact has added to accelerations."""
+        self._keys, self._pushed = self._keys[:0], self._pushed[:0]
+        if changes := rank.contact.changes:
+            moved = changes.velocities.any(axis=1)
+            self._keys, self._pushed = changes.keys[moved], changes.velocities[moved] / update.t.dt
+
+    @property
+    def state(self) -> np.ndarray:
+        """What contact added in the last step, for checkpoints: (m, 4) float64."""
+        return np.concatenate([self._keys[:, None].view(np.float64), self._pushed], axis=1)
+
+    def restore(self, state: np.ndarray) -> None:
+        """Continue with the `state` of a checkpoint."""
+        self._keys = np.ascontiguousarray(state[:, 0]).view(np.int64)
+        self._pushed = np.ascontiguousarray(state[:, 1:])
 
     def _exchange(self, rank: RankState, reach: int) -> None:
         """Get the accelerations of planes that only the neighbours have; collective."""

@@ -15,6 +15,7 @@ from pgimp.kernels.lagrangian.keep import beyond_bounds
 from pgimp.kernels.lagrangian.part_cells import PartCells
 from pgimp.kernels.step.checks import INVERTED, NOT_FINITE, OUT_OF_RANGE, OUTSIDE
 from pgimp.scene.scene import Scene
+from pgimp.solver.lagrangian.masters import Vertices
 from pgimp.solver.lagrangian.part_cells import (
     CutCells,
     decoded,
@@ -61,6 +62,10 @@ def find_cells(rank: RankState) -> LatticeCells:
     """Find the cells of a rank's particles on the lattice, some layers after the other."""
     scene, population = rank.scene, rank.population
     p, order = population.columns, population.ordered
+    if not scene.by_cells:
+        none, every = Order(order.rows[:0], np.zeros_like(order.start)), order
+        outside = np.zeros(p.capacity, bool)
+        return LatticeCells(no_cells(scene, rank.slab.layers), none.rows, every, none, outside)
     fits = np.zeros(len(order.rows), bool)
     # At the end none, for a rank without particles.
     parts = [_find(rank, run, fits[run]) for run in (*runs(order.start), slice(0))]
@@ -120,6 +125,8 @@ def _find(
     fits[:] = number[:, 0] == p.layer[rows]
     fits &= ~p.patch[rows].any(axis=1)  # tractions are forces on particles
     fits &= ~p.surface[rows].any(axis=1)
+    if rank.mean_dilatation:
+        near &= _in_whole_cells(rank, rows, fits & near)
     key = number[:, 0] - window.lower[0]
     for d in range(1, D):
         key = key * window.extent[d] + (number[:, d] - window.lower[d])
@@ -144,6 +151,19 @@ def _find(
     volumes = np.zeros(len(taken))
     taken[slot], volumes[slot] = rows[mine], p.V0[rows[mine]]
     return decoded(rank, found), taken, volumes, parts
+
+
+def _in_whole_cells(rank: RankState, rows: np.ndarray, fits: np.ndarray) -> np.ndarray:
+    """Whether all particles of a particle's cell are whole and fit, and share no dilatation."""
+    scene, population = rank.scene, rank.population
+    bodies, V0 = len(scene.body_names), population.columns.V0[rows]
+    most = int(np.prod(scene.case.method.particles_per_cell))
+    full = np.prod(scene.domain.frame.cell) / most
+    keys = Vertices.cells_under(rank, rows)
+    cells = keys * bodies + population.columns.body[rows]
+    _, of = np.unique(cells, return_inverse=True)
+    count = np.bincount(of, fits & (np.abs(V0 - full) < 1e-9 * full))
+    return (count[of] == most) & ~rank.mean_dilatation.shares(keys)
 
 
 def mark_corners(rank: RankState) -> np.ndarray:
@@ -221,7 +241,7 @@ def _cells(
     per_cell, D = scene.case.method.particles_per_cell, scene.dimension
     fractions = np.zeros((D, MAX_PER_CELL))
     for d, count in enumerate(per_cell):
-        fractions[d, :count] = (np.arange(count) + 0.5) / count
+        fractions[d, :count] = ((np.arange(count) + 0.5) / count)[:MAX_PER_CELL]
     distances = fractions / np.array(scene.domain.frame.inverse)[:, None]
     rows = np.full(slots if scene.cell_loads else 0, -1, np.int64)
     return Cells(

@@ -24,7 +24,7 @@ def stable_courant(
     """Courant number up to which vertices near slaves are stable; collective.
 
     From the greatest frequency of a scalar wave by power iteration. What lies farther away is at
-    rest.
+    rest. Rings are strained by their hoops as well.
 
     Parameters
     ----------
@@ -66,21 +66,28 @@ def _near_cells(
     (c, 2^D) int64
         Numbers of their corners among `known`; k for others.
     (c, 2^D, 2^D) float64
-        Sums over their particles of the masses times products of the weights' gradients.
+        Sums over their particles of the masses times products of the weights' gradients; of rings
+        also of the weights of their hoops.
     """
     frame, p, order = rank.grid.frame, rank.up_to_date(), rank.population.ordered
     h, corners = np.array(frame.cell), np.array([*product((0, 1), repeat=len(frame.cell))])
     near = Vertices.cells_of(rank, np.concatenate([few, known[masters]]))
-    found = []
+    axial, found = rank.scene.case.axisymmetric, []
     for run in (*runs(order.start), slice(0)):  # at the end none, for a rank without particles
         rows = order.rows[run]
         x = (p.origin[rows] - np.array(frame.origin)) / h + frame.ghost
         first = np.floor(x).astype(np.int64)
         mine = np.isin(Vertices.key(rank, first, p.body[rows]), near)
         x, first, rows = x[mine] - first[mine], first[mine], rows[mine]
-        gradients = np.empty((len(rows), len(corners), len(h)))
+        gradients = np.empty((len(rows), len(corners), len(h) + axial))
+        out = p.products[rows, 1:] / h if axial else 0.0  # from the section's centroid to the mass's
         for c, corner in enumerate(corners):
             n = np.where(corner == 1, x, 1.0 - x)
+            if axial:
+                off_axis = first[:, 0] + corner[0] > frame.ghost  # on it no ring is stretched
+                off_axis |= frame.origin[0] > 0.0
+                gradients[:, c, 2] = off_axis * n.prod(axis=1) / p.origin[rows, 0]
+                n = np.where(corner == 1, x + out, 1.0 - x - out)
             for d in range(len(h)):
                 slope = (2 * corner[d] - 1) / h[d]
                 gradients[:, c, d] = slope * np.delete(n, d, axis=1).prod(axis=1)
