@@ -80,7 +80,8 @@ def _near_cells(
         mine = np.isin(Vertices.key(rank, first, p.body[rows]), near)
         x, first, rows = x[mine] - first[mine], first[mine], rows[mine]
         gradients = np.empty((len(rows), len(corners), len(h) + axial))
-        out = p.products[rows, 1:] / h if axial else 0.0  # from the section's centroid to the mass's
+        # From the section's centroid to the mass's.
+        out = p.products[rows, 1:] / h if axial else 0.0
         for c, corner in enumerate(corners):
             n = np.where(corner == 1, x, 1.0 - x)
             if axial:
