@@ -66,8 +66,17 @@ class MassRows(NamedTuple):
     reach: int  #: Planes to the farthest that rows need.
 
 
+class Accelerations(NamedTuple):
+    """Accelerations of vertices, and room for what lies between them and forces."""
+
+    values: FloatArray  #: (planes * plane / 2,) float64: See `NUMBERS`.
+    first: int  #: Number among these planes of the rank's first one; less than 0 if it is before.
+    scratch: FloatArray  #: (faces, 3) float64: For impulses of faces, which are not booked.
+    buffer: FloatArray  #: (plane / 2,) float64.
+
+
 @kernel
-def average_forces(frame, field, faces, forcing, scratch, A, reach, rows, found, planes, buffer):
+def average_forces(frame, field, faces, forcing, accelerations, rows, found, planes):
     """Take alpha (C - L) a from the forces at a rank's vertices.
 
     First come accelerations with the lumped mass, after all conditions, of the planes `found`; each
@@ -77,39 +86,31 @@ def average_forces(frame, field, faces, forcing, scratch, A, reach, rows, found,
     ----------
     frame, field, faces, forcing
         As in `update_momentum`, before it.
-    scratch : (faces, 3) float64
-        For impulses of faces, which are not booked.
-    A : ((planes + 2 reach) * plane / 2,) float64
-        Accelerations, of which the rank's first plane is number `reach`; see `NUMBERS`.
-    reach : int
-        Planes below and above those of the rank.
-    rows
-        MassRows; none of them is needed without `planes`.
+    accelerations, rows
+        Accelerations, MassRows.
     found, planes : (int, int)
         Planes whose accelerations are set, and whose forces are averaged: from the first one up to
         the second.
-    buffer : (plane / 2,) float64
-        For values in between.
     """
     ahead = found[0]
     for i in range(planes[0], planes[1]):
         until = min(i + rows.reach + 1, found[1])
         while ahead < until:
-            _find_plane(frame, field, faces, forcing, scratch, A, reach, ahead)
+            _find_plane(frame, field, faces, forcing, accelerations, ahead)
             ahead += 1
-        _average_plane(field, A, reach, rows, i, buffer)
+        _average_plane(field, accelerations, rows, i)
     while ahead < found[1]:
-        _find_plane(frame, field, faces, forcing, scratch, A, reach, ahead)
+        _find_plane(frame, field, faces, forcing, accelerations, ahead)
         ahead += 1
 
 
 @inner_kernel
-def _find_plane(frame, field, faces, forcing, scratch, A, reach, i):
+def _find_plane(frame, field, faces, forcing, accelerations, i):
     """Find the accelerations of the vertices of plane `i`, see `average_forces`."""
     G, window, plane = field.G, field.window, field.window.stride[0]
     half, size, row = plane // 2, field_size(window), window.stride[1]
+    A, own = accelerations.values, (i + accelerations.first) * half
     g = pack(0.0, forcing.gravity[0], forcing.gravity[1], forcing.gravity[2])
-    own = (i + reach) * half
     if field.active[i] == 0:
         A[own : own + half] = 0.0
         return
@@ -126,7 +127,7 @@ def _find_plane(frame, field, faces, forcing, scratch, A, reach, i):
                     inverse = 1.0 / m
                     a = pack(0.0, inverse, inverse, inverse) * load(G, r + _SECOND) + g
                 store(A, own + at // 2, a)
-        holding = Holding(faces, frame, forcing, scratch, 0.0)
+        holding = Holding(faces, frame, forcing, accelerations.scratch, 0.0)
         for n in range(face_count(faces)):
             j0, j1, k0, k1 = box_of(faces, n, frame, window, i)
             for j in range(j0, j1):
@@ -167,14 +168,14 @@ def _hold(field, holding, f, vertex, own, A):
 
 
 @inner_kernel
-def _average_plane(field, A, reach, rows, i, buffer):
+def _average_plane(field, accelerations, rows, i):
     """See `average_forces`, for plane `i`."""
-    G, plane = field.G, field.window.stride[0]
+    G, plane, A = field.G, field.window.stride[0], accelerations.values
     if field.active[i] == 0:
         return
-    own, to = (i + reach) * (plane // 2), i * plane + _SECOND
+    own, to = (i + accelerations.first) * (plane // 2), i * plane + _SECOND
     if rows.run_start[i] < rows.run_start[i + 1]:
-        _average_runs(field, A, rows, i, own, buffer)
+        _average_runs(field, A, rows, i, own, accelerations.buffer)
     for n in range(rows.start[i], rows.start[i + 1]):
         at = own + rows.vertex[n] // 2
         a, even, odd = load(A, at), vector(0.0), vector(0.0)
@@ -200,12 +201,12 @@ def _average(scale, before, now, after):
 def _average_runs(field, A, rows, i, own, buffer):
     """As `average_forces`, for the vertices of plane `i` amid whole cells."""
     if len(rows.scale) == 2:
-        return _average_lines(field, A, rows, i, own, buffer)
+        return _average_lines(field, A, rows, i, own)
     return _average_areas(field, A, rows, i, own, buffer)
 
 
 @inner_kernel
-def _average_lines(field, A, rows, i, own, buffer):
+def _average_lines(field, A, rows, i, own):
     """See `_average_runs`, in 2D."""
     G, plane = field.G, field.window.stride[0]
     half, to = plane // 2, i * plane + _SECOND

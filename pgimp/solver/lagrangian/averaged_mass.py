@@ -13,7 +13,7 @@ from pgimp.kernels.contact.lagrangian.reference_grid import add_accelerations
 from pgimp.kernels.data.arguments import Field
 from pgimp.kernels.grid.image_values import copy_accelerations
 from pgimp.kernels.grid.mirror import fold_forces
-from pgimp.kernels.lagrangian.averaged_mass import MassRows, average_forces
+from pgimp.kernels.lagrangian.averaged_mass import Accelerations, MassRows, average_forces
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.averaging import averaged_parts
 from pgimp.scene.scene import Scene
@@ -46,7 +46,7 @@ class AveragedMass(StepPart):
         self.scene, self.alpha = scene, alpha
         self._known: Field | None = None
         self._rows: MassRows | None = None
-        self._accelerations = self._buffer = np.empty(0)
+        self._values = self._buffer = self._scratch = np.empty(0)
         #: First arguments of `average_forces` in this step; whether forces are left to `by_planes`,
         #: and accelerations, too.
         self._arguments: tuple[Any, ...] = ()
@@ -76,26 +76,24 @@ class AveragedMass(StepPart):
         pressed = rank.contact.bears and needed(len(self._keys))
         self._streams = self._left and not (acts or pressed or rank.slab.neighbours)
         forcing, setting = update.forcing, (frame, field, update.faces)
-        scratch = np.empty((len(domain.faces), 3))
+        self._arguments, self._scratch = (*setting, forcing), np.empty((len(domain.faces), 3))
         if self._streams:
-            self._arguments = *setting, forcing, scratch
             return
         A, rows = self._room(grid.planes, reach), self._rows
-        every = (0, grid.planes), (0, 0), self._buffer
+        accelerations, every, none = self._accelerations(reach), (0, grid.planes), (0, 0)
         if acts:  # they move by the accelerations of what they hold
-            rank.call(average_forces, *setting, forcing, scratch, A, reach, rows, *every)
+            rank.call(average_forces, *setting, forcing, accelerations, rows, every, none)
             constraints = rank.grips.forecast(rank, update, A, reach)
             forcing = forcing._replace(marked=(constraints, *forcing.marked[1:]))
-        self._arguments = *setting, forcing, scratch
-        rank.call(average_forces, *self._arguments, A, reach, rows, *every)
+            self._arguments = *setting, forcing
+        rank.call(average_forces, *self._arguments, accelerations, rows, every, none)
         if pressed:
             rank.call(add_accelerations, frame, field, self._keys, self._pushed, A, reach)
         for each in reversed(images):
             rank.call(copy_accelerations, frame, field, each, A, reach)
         self._exchange(rank, reach)
         if not self._left:
-            planes = (0, 0), (0, grid.planes), self._buffer
-            rank.call(average_forces, *self._arguments, A, reach, rows, *planes)
+            rank.call(average_forces, *self._arguments, accelerations, rows, none, every)
         for each in images:
             rank.call(fold_forces, frame, field, each, forcing.dt, update.ledger)
 
@@ -112,15 +110,15 @@ class AveragedMass(StepPart):
         self._left, grid, rows, half = False, rank.grid, self._rows, len(self._buffer)
         active, count = np.zeros_like(grid.active), grid.planes
         size, far = max(1, min(_CACHED // half, count)), rows.reach
-        reach, known, A = grid.vertices - 1, count, self._accelerations
+        reach, known, A = grid.vertices - 1, count, self._values
         if self._streams:
             known, A = 0, self._room(size, far)
         for first in range(0, count, size):
             last, ahead = min(first + size, count), known
             if self._streams:
                 reach, known = far - first, min(first + size + far, count)
-            planes = (ahead, known), (first, last), self._buffer
-            rank.call(average_forces, *self._arguments, A, reach, rows, *planes)
+            planes = (ahead, known), (first, last)
+            rank.call(average_forces, *self._arguments, self._accelerations(reach), rows, *planes)
             if self._streams:
                 A[: 2 * far * half] = A[size * half :]
             active.fill(0)
@@ -130,9 +128,13 @@ class AveragedMass(StepPart):
     def _room(self, planes: int, beyond: int) -> np.ndarray:
         """Room for the accelerations of some planes, and of those `beyond` on either side."""
         size = (planes + 2 * beyond) * len(self._buffer)
-        if len(self._accelerations) != size:
-            self._accelerations = aligned(size)
-        return self._accelerations
+        if len(self._values) != size:
+            self._values = aligned(size)
+        return self._values
+
+    def _accelerations(self, first: int) -> Accelerations:
+        """The accelerations, with the number among their planes of the rank's first one."""
+        return Accelerations(self._values, first, self._scratch, self._buffer)
 
     def book(self, rank: RankState, update: VertexUpdate) -> None:
         """Keep what contact has added to accelerations."""
@@ -156,7 +158,7 @@ class AveragedMass(StepPart):
         slab, comm, grid = rank.slab, rank.comm, rank.grid
         if not slab.neighbours:
             return
-        size, A = reach * (grid.window.stride[0] // 2), self._accelerations
+        size, A = reach * (grid.window.stride[0] // 2), self._values
         planes = A.reshape(grid.planes + 2 * reach, -1)
         below, above = planes[:reach], planes[reach + grid.planes :]
         low, high = planes[2 * reach : 3 * reach], planes[slab.layers : slab.layers + reach]
