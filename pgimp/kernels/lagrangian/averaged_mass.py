@@ -201,21 +201,22 @@ def _average(scale, before, now, after):
 def _average_runs(field, A, rows, i, own, buffer):
     """As `average_forces`, for the vertices of plane `i` amid whole cells."""
     if len(rows.scale) == 2:
-        return _average_lines(field, A, rows, i, own)
+        return _average_lines(field, A, rows, i, own, buffer)
     return _average_areas(field, A, rows, i, own, buffer)
 
 
 @inner_kernel
-def _average_lines(field, A, rows, i, own):
-    """See `_average_runs`, in 2D."""
+def _average_lines(field, A, rows, i, own, buffer):
+    """See `_average_runs`, in 2D. The buffer has averages across planes."""
     G, plane = field.G, field.window.stride[0]
-    half, to = plane // 2, i * plane + _SECOND
+    half, to, low = plane // 2, i * plane + _SECOND, rows.span[i, 0]
+    for k in range(low, rows.span[i, 1], NUMBERS):
+        store(buffer, k - low, _across(A, own + k, half, rows.scale[0]))
     for n in range(rows.run_start[i], rows.run_start[i + 1]):
         begin, end, mass = rows.run[n, 0], rows.run[n, 1], rows.mass[n]
-        before = _across(A, own + begin - NUMBERS, half, rows.scale[0])
-        now = _across(A, own + begin, half, rows.scale[0])
+        before, now = load(buffer, begin - low - NUMBERS), load(buffer, begin - low)
         for at in range(begin, end, NUMBERS):
-            after = _across(A, own + at + NUMBERS, half, rows.scale[0])
+            after = load(buffer, at - low + NUMBERS)
             change = _average(rows.scale[1], before, now, after) - load(A, own + at)
             r = to + 2 * at
             store(G, r, load(G, r) - mass * change)
