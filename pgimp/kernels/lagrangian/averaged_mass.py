@@ -21,7 +21,7 @@ along each direction. Others are kept, see `pgimp.solver.lagrangian.mass_rows`.
 from typing import NamedTuple
 
 from pgimp.jit.kernel import inlined, inner_kernel, kernel
-from pgimp.jit.vectors.simd import load, pack, stack, store, vector
+from pgimp.jit.vectors.simd import bits, lane, load, pack, stack, store, vector
 from pgimp.kernels.data.motion import keeps, velocity_before
 from pgimp.kernels.data.particles import FloatArray, IntArray
 from pgimp.kernels.data.record import FORCE, MASS, RECORD
@@ -120,13 +120,24 @@ def _find_plane(frame, field, faces, forcing, accelerations, i):
         first, left = f * size, used_rows(field, i, f)
         while left:
             begin, end, left = next_rows(field, left)
-            for at in range(first + begin * row, first + end * row, RECORD):
-                r = i * plane + at
+            r, behind = i * plane + first + begin * row, i * plane + first + end * row
+            while r < behind:
+                at = own + (r - i * plane) // 2
+                if r + 3 * RECORD < behind:  # a processor divides four at once
+                    m = _four_masses(G, r)
+                    if bits(m > forcing.mass_cutoff) == 15:
+                        inverse = 1.0 / m
+                        store(A, at, _scaled(lane(inverse, 0), G, r, g))
+                        store(A, at + NUMBERS, _scaled(lane(inverse, 1), G, r + RECORD, g))
+                        store(A, at + 2 * NUMBERS, _scaled(lane(inverse, 2), G, r + 2 * RECORD, g))
+                        store(A, at + 3 * NUMBERS, _scaled(lane(inverse, 3), G, r + 3 * RECORD, g))
+                        r += 4 * RECORD
+                        continue
                 m, a = G[r + MASS], vector(0.0)
                 if m > forcing.mass_cutoff:
-                    inverse = 1.0 / m
-                    a = pack(0.0, inverse, inverse, inverse) * load(G, r + _SECOND) + g
-                store(A, own + at // 2, a)
+                    a = _scaled(1.0 / m, G, r, g)
+                store(A, at, a)
+                r += RECORD
         holding = Holding(faces, frame, forcing, accelerations.scratch, 0.0)
         for n in range(face_count(faces)):
             j0, j1, k0, k1 = box_of(faces, n, frame, window, i)
@@ -139,6 +150,18 @@ def _find_plane(frame, field, faces, forcing, accelerations, i):
                     r = i * plane + first + j * row + k * RECORD
                     if is_marked(forcing.marked, r):
                         _hold(field, holding, f, (i, j, k), own, A)
+
+
+@inlined
+def _scaled(inverse, G, r, g):
+    """The force of the record at `r` over a mass, plus g, behind a zero."""
+    return pack(0.0, inverse, inverse, inverse) * load(G, r + _SECOND) + g
+
+
+@inlined
+def _four_masses(G, r):
+    """Masses of the record at `r` and of the next three."""
+    return pack(*tuple(lane(load(G, r + j * RECORD), MASS) for j in range(4)))
 
 
 @inner_kernel
