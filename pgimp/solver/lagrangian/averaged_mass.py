@@ -13,7 +13,7 @@ from pgimp.kernels.contact.lagrangian.reference_grid import add_accelerations
 from pgimp.kernels.data.arguments import Field
 from pgimp.kernels.grid.image_values import copy_accelerations
 from pgimp.kernels.grid.mirror import fold_forces
-from pgimp.kernels.lagrangian.averaged_mass import NUMBERS, MassRows, average_forces
+from pgimp.kernels.lagrangian.averaged_mass import NUMBERS, Accelerations, MassRows, average_forces
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.averaging import averaged_parts
 from pgimp.scene.scene import Scene
@@ -24,8 +24,8 @@ from pgimp.solver.vertices import StepPart, VertexUpdate
 #: Tags of messages with accelerations.
 _UP, _DOWN = 23, 24
 
-#: Numbers of accelerations that are found and used together: with forces 1.5 MB.
-_CACHED = 1 << 16
+#: Numbers of accelerations that are found and used together: with forces 3 MB.
+_CACHED = 1 << 17
 
 
 class AveragedMass(StepPart):
@@ -46,12 +46,11 @@ class AveragedMass(StepPart):
         self.scene, self.alpha = scene, alpha
         self._known: Field | None = None
         self._rows: MassRows | None = None
-        self._accelerations = self._buffer = np.empty(0)
-        #: Arguments of `average_forces` in this step, and the plane below which accelerations are
-        #: known; whether forces are left to `by_planes`.
+        self._values = self._buffer = self._scratch = np.empty(0)
+        #: First arguments of `average_forces` in this step; whether forces are left to `by_planes`,
+        #: and accelerations, too.
         self._arguments: tuple[Any, ...] = ()
-        self._known_below = 0
-        self._left = False
+        self._left = self._streams = False
         #: keys, pushed: (m,) int64, (m, 3) float64: What contact added to accelerations of vertices
         #: in the last step.
         self._keys, self._pushed = np.empty(0, np.int64), np.empty((0, 3))
@@ -70,64 +69,78 @@ class AveragedMass(StepPart):
         half = grid.window.stride[0] // 2
         if self._known is not field:
             self._known, self._rows = field, find_rows(rank, self.alpha)
-            self._accelerations = aligned((grid.planes + 2 * reach) * half)
             self._buffer = aligned(half)
-        forcing, A = update.forcing, self._accelerations
-        setting = frame, field, update.faces
-        rest = np.empty((len(domain.faces), 3)), A, reach, self._rows
-        every = (0, grid.planes), (0, 0), self._buffer
-        pressed = rank.contact.bears and needed(len(self._keys))
-        if rank.grips and rank.grips.acts:  # they move by the accelerations of what they hold
-            rank.call(average_forces, *setting, forcing, *rest, *every)
-            constraints = rank.grips.forecast(rank, update, A, reach)
-            forcing = forcing._replace(marked=(constraints, *forcing.marked[1:]))
-        self._arguments, self._known_below = (*setting, forcing, *rest), 0
         mirrors = *domain.absorbing_mirrors, *domain.mirrors
         images = *domain.seams, *sorted(mirrors, key=lambda each: each.releases)  # as sums fold
-        if images or rank.slaves or rank.slab.neighbours or pressed:
-            rank.call(average_forces, *self._arguments, *every)
-            self._known_below = grid.planes
-            if pressed:
-                rank.call(add_accelerations, frame, field, self._keys, self._pushed, A, reach)
-            if rank.slaves:
-                own = A[reach * half : (reach + grid.planes) * half]
-                masters = rank.slaves.spread(rank, own, 1, NUMBERS)
-            for each in reversed(images):
-                rank.call(copy_accelerations, frame, field, each, A, reach)
-            self._exchange(rank, reach)
-        self._left = rank.contact.by_planes and not (images or rank.slaves)
+        acts, slaves = rank.grips and rank.grips.acts, rank.slaves
+        self._left = rank.contact.by_planes and not (images or slaves)
+        pressed = rank.contact.bears and needed(len(self._keys))
+        self._streams = self._left and not (acts or pressed or rank.slab.neighbours)
+        forcing, setting = update.forcing, (frame, field, update.faces)
+        self._arguments, self._scratch = (*setting, forcing), np.empty((len(domain.faces), 3))
+        if self._streams:
+            return
+        A, rows = self._room(grid.planes, reach), self._rows
+        accelerations, every, none = self._accelerations(reach), (0, grid.planes), (0, 0)
+        if acts:  # they move by the accelerations of what they hold
+            rank.call(average_forces, *setting, forcing, accelerations, rows, every, none)
+            constraints = rank.grips.forecast(rank, update, A, reach)
+            forcing = forcing._replace(marked=(constraints, *forcing.marked[1:]))
+            self._arguments = *setting, forcing
+        rank.call(average_forces, *self._arguments, accelerations, rows, every, none)
+        if pressed:
+            rank.call(add_accelerations, frame, field, self._keys, self._pushed, A, reach)
+        if slaves:
+            own = A[reach * half : (reach + grid.planes) * half]
+            masters = slaves.spread(rank, own, 1, NUMBERS)
+        for each in reversed(images):
+            rank.call(copy_accelerations, frame, field, each, A, reach)
+        self._exchange(rank, reach)
         if not self._left:
-            self._average(rank, 0, grid.planes)
+            rank.call(average_forces, *self._arguments, accelerations, rows, none, every)
         for each in images:
             rank.call(fold_forces, frame, field, each, forcing.dt, update.ledger)
-        if rank.slaves:
-            rank.slaves.fold_averages(rank, self.alpha, masters)
+        if slaves:
+            slaves.fold_averages(rank, self.alpha, masters)
 
     def by_planes(self, rank: RankState) -> Iterator[np.ndarray]:
         """Average forces that `add_forces` has left; yield which planes may then be updated.
 
-        Forces of a few planes are still in the cache then, as they are when they are averaged.
+        Forces of a few planes are still in the cache then. So are accelerations: where no others
+        need them, there are only those of the same planes, and of planes beside them.
         """
         if not self._left:
             yield rank.grid.active
             return
-        grid, active = rank.grid, np.zeros_like(rank.grid.active)
-        size = max(1, _CACHED // len(self._buffer))
-        for first in range(0, grid.planes, size):
-            last = min(first + size, grid.planes)
-            self._average(rank, first, last)
+        assert self._rows
+        self._left, grid, rows, half = False, rank.grid, self._rows, len(self._buffer)
+        active, count = np.zeros_like(grid.active), grid.planes
+        size, far = max(1, min(_CACHED // half, count)), rows.reach
+        reach, known, A = grid.vertices - 1, count, self._values
+        if self._streams:
+            known, A = 0, self._room(size, far)
+        for first in range(0, count, size):
+            last, ahead = min(first + size, count), known
+            if self._streams:
+                reach, known = far - first, min(first + size + far, count)
+            planes = (ahead, known), (first, last)
+            rank.call(average_forces, *self._arguments, self._accelerations(reach), rows, *planes)
+            if self._streams:
+                A[: 2 * far * half] = A[size * half :]
             active.fill(0)
             active[first:last] = grid.active[first:last]
             yield active
-        self._left = False
 
-    def _average(self, rank: RankState, first: int, last: int) -> None:
-        """Take alpha (C - L) a from the forces of planes, all of those before them done."""
-        assert self._rows
-        until = min(last + self._rows.reach, rank.grid.planes)
-        found = self._known_below, max(self._known_below, until)
-        rank.call(average_forces, *self._arguments, found, (first, last), self._buffer)
-        self._known_below = found[1]
+    def _room(self, planes: int, beyond: int) -> np.ndarray:
+        """Room for the accelerations of some planes, and of those `beyond` on either side."""
+        size = (planes + 2 * beyond) * len(self._buffer)
+        if len(self._values) != size:
+            self._values = aligned(size)
+        return self._values
+
+    def _accelerations(self, first: int) -> Accelerations:
+        """The accelerations, with the number among their planes of the rank's first one."""
+        return Accelerations(self._values, first, self._scratch, self._buffer)
 
     def book(self, rank: RankState, update: VertexUpdate) -> None:
         """Keep what contact has added to accelerations."""
@@ -151,7 +164,7 @@ class AveragedMass(StepPart):
         slab, comm, grid = rank.slab, rank.comm, rank.grid
         if not slab.neighbours:
             return
-        size, A = reach * (grid.window.stride[0] // 2), self._accelerations
+        size, A = reach * (grid.window.stride[0] // 2), self._values
         planes = A.reshape(grid.planes + 2 * reach, -1)
         below, above = planes[:reach], planes[reach + grid.planes :]
         low, high = planes[2 * reach : 3 * reach], planes[slab.layers : slab.layers + reach]
