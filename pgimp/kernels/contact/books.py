@@ -16,7 +16,7 @@ from pgimp.kernels.data.ledger import (
     RIGID_WORK,
     TANGENTIAL_IMPULSE,
 )
-from pgimp.kernels.rigid.bodies import arm_of, move_freely, position_of
+from pgimp.kernels.rigid.bodies import arm_of, move_freely
 
 
 @inner_kernel
@@ -34,8 +34,8 @@ def losses_of(row, u, v):
 
 
 @inner_kernel
-def book(contact, holding, number, pair, part, last, ledger, plane):
-    """Book what a pair has exchanged in a pass, times `part`, at a vertex of `plane`."""
+def book(contact, holding, number, x, pair, part, last, ledger, plane):
+    """Book what a pair at a position has exchanged in a pass, times `part`, in `plane`."""
     row, entry = contact.pair_states[pair], contact.ends[pair].law - 1
     a, b = fields_of(contact, pair)
     booked = ledger.contact[plane, entry]
@@ -52,7 +52,6 @@ def book(contact, holding, number, pair, part, last, ledger, plane):
     booked[LOSS] += part * loss
     if last and row.normal_impulse != 0.0:
         booked[CONTACT_AREA] += row.area
-    x = position_of(holding.frame, number)
     book_rigid_bodies(contact, contact.rigid_bodies, x, pair, part, (u, v), ledger, plane)
 
 

@@ -11,6 +11,7 @@ from pgimp.kernels.data.used_rows import fields_with, next_bit, rows_with
 from pgimp.kernels.data.velocity_fields import field_size
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.kernels.loads.loads import relaxed_part
+from pgimp.kernels.rigid.bodies import position_of
 
 
 @kernel
@@ -89,8 +90,10 @@ def _apply_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
         # Particles get a part of the first pass, by which they relax to the grid.
         part = 1.0 if last else relaxed_part(forcing.loads.relaxation, dt)
         if part > 0.0 and i < field.owned:
+            number = vertex_number(contact, n)
+            place = position_of(frame, number)
             for pair in range(pairs):
-                book(contact, holding, vertex_number(contact, n), pair, part, last, ledger, i)
+                book(contact, holding, number, place, pair, part, last, ledger, i)
 
 
 @inner_kernel

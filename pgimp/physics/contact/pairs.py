@@ -59,6 +59,12 @@ class ContactEntry(Model):
     adhesion: Adhesion | None = Field(
         default=None, description="how they hold each other where they touch; null: not at all"
     )
+    itself: bool = Field(
+        default=False,
+        alias="self",
+        description="whether each of the bodies also meets itself, where it folds; bodies exact "
+        "to their surface, in the initial configuration",
+    )
 
     @model_validator(mode="after")
     def _check(self) -> ContactEntry:
@@ -67,8 +73,9 @@ class ContactEntry(Model):
                 name = name_of(self.law, LAWS)
                 text = f"bodies that are under the law '{name}' have no {key}; leave it out"
                 raise_problems("contact", [Problem((key,), text)])
-        if isinstance(self.bodies, tuple) and len(set(self.bodies)) < max(2, len(self.bodies)):
-            text = "expected the names of two bodies or more, each once"
+        least = 1 if self.itself else 2
+        if isinstance(self.bodies, tuple) and len(set(self.bodies)) < max(least, len(self.bodies)):
+            text = "expected the names of two bodies or more, each once (one with `self: true`)"
             raise_problems("contact", [Problem(("bodies",), text)])
         return self
 
@@ -87,7 +94,7 @@ class Pairs(NamedTuple):
 
     #: (bodies, bodies) int16: Number of the pair's entry, from 1, in the row of the body with the
     #: smaller number. It is negative if the entry names the other body first, 0 if the bodies pass
-    #: through each other.
+    #: through each other. On the diagonal it is of bodies that meet themselves, else 0.
     entry: np.ndarray
     #: (entries + 1,) int64: `TIED` or `UNILATERAL`; the last is for pairs without an entry, which
     #: are tied.
@@ -111,7 +118,11 @@ class Pairs(NamedTuple):
             if each.bodies == "all":
                 for a in range(count):
                     entry[a, a + 1 :] = i
+        np.fill_diagonal(entry, 0)
         for i, each in enumerate(entries, 1):
+            if each.itself:
+                own = bodies if each.bodies == "all" else each.bodies
+                entry[[number[name] for name in own], [number[name] for name in own]] = i
             for first, second in each.pairs():
                 a, b = number[first], number[second]
                 entry[min(a, b), max(a, b)] = i if a < b else -i

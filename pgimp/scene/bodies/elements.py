@@ -20,6 +20,7 @@ class Elements(NamedTuple):
     #: (n, D, D) float64: Integrals of the position from `centre`, along the second index, times the
     #: normal.
     moment: Reals
+    half: Reals  #: (n, D) float64: Half-sides of the boxes round their centres that they lie in.
 
     @property
     def centroid(self) -> Reals:
@@ -33,4 +34,4 @@ class Elements(NamedTuple):
 
     def chosen(self, rows: NDArray[Any]) -> Elements:
         """Some of them, by a mask or in an order."""
-        return Elements(self.box[rows], self.centre[rows], self.area[rows], self.moment[rows])
+        return Elements(*(each[rows] for each in self))

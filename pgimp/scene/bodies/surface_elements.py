@@ -47,7 +47,7 @@ def _edge(edges: Reals, i: Indices) -> Reals:
 
 
 def find_elements(
-    body: LatticeBody, within: Region, planes: tuple[int, int], closed: Closed = ()
+    body: LatticeBody, within: Region | None, planes: tuple[int, int], closed: Closed = ()
 ) -> Elements:
     """Find the elements of a body's surface within a region, in a range of lattice planes.
 
@@ -55,15 +55,15 @@ def find_elements(
     ----------
     body : LatticeBody
         The body; its boxes are whole where surfaces do not cut them.
-    within : Region
-        Elements with their centroid in here count.
+    within : Region or None
+        Elements with their centroid in here count; None: all.
     planes : (int, int)
         First plane and end; elements there, and up to a box beyond the lattice, are found.
     closed : sequence of (axis, side)
         Faces of the lattice, low (-1) or high (1), behind which bodies go on: none is on these.
     """
     ranges = []
-    least, most = within.bounds()
+    least, most = (body.region if within is None else within).bounds()
     for d, (e, (begin, end)) in enumerate(zip(body.edges, body.box, strict=True)):
         low = max(begin - 1, int(np.floor((max(least[d], -1e300) - e[0]) / body.size[d])) - 1, -1)
         high = (min(most[d], 1e300) - e[0]) / body.size[d]
@@ -75,13 +75,15 @@ def find_elements(
             ranges[d] = ranges[d][ranges[d] >= 0]
         if (d, 1) in closed:
             ranges[d] = ranges[d][ranges[d] < len(e) - 1]
-    cuts = (body.region, within) if body.exact else ()
+    cuts = (body.region, *([within] if within else ())) if body.exact else ()
     found = (
         _cut_elements(body, ranges, closed, cuts)
         if body.cut
         else _whole_elements(body, ranges, closed)
     )
-    return found.chosen(within.contains(found.centroid)) if len(found.box) else found
+    if within is None or not len(found.box):
+        return found
+    return found.chosen(within.contains(found.centroid))
 
 
 def _combinations(axes: Sequence[Indices]) -> Indices:
@@ -129,9 +131,10 @@ def _cut_elements(
         high[:, d] = a + (part[:, d] + 1) / parts * (b - a)
     near = _near(body, low, high) if len(low) else np.zeros(0, bool)
     box, low, high = box[near], low[near], high[near]
+    thin = 0.5 * _THIN * (high - low)  # the same for pieces side by side
     for region in cuts:
         row, low, high = pieces(region, low, high)
-        box = box[row]
+        box, thin = box[row], thin[row]
     n, size = len(box), high - low
     area, moment = np.zeros((n, D)), np.zeros((n, D, D))
     volume = measure(body.region, low, high)[0]
@@ -143,8 +146,8 @@ def _cut_elements(
     for d in range(D):
         moment[:, d, d] += volume
         for side, at in ((-1.0, low), (1.0, high)):
-            a, b, half = low.copy(), high.copy(), 0.5 * _THIN * size[:, d]
-            a[:, d], b[:, d] = at[:, d] - half, at[:, d] + half
+            a, b = low.copy(), high.copy()
+            a[:, d], b[:, d] = at[:, d] - thin[:, d], at[:, d] + thin[:, d]
             if (d, int(side)) in closed:
                 end = body.edges[d][0 if side < 0.0 else -1]
                 if side < 0.0:
@@ -166,7 +169,7 @@ def _cut_elements(
     there = np.zeros(n, bool)
     for d in range(D):
         there |= np.abs(area[:, d]) > _LEAST * (full / size[:, d])
-    found = Elements(box, 0.5 * (low + high), area, moment)
+    found = Elements(box, 0.5 * (low + high), area, moment, 0.5 * size)
     if not plain.any():
         return found.chosen(there)
     every = [found.chosen(there & ~plain)]
@@ -215,7 +218,8 @@ def _whole_elements(body: LatticeBody, ranges: Sequence[Indices], closed: Closed
             area[:, d] *= size[:, j] if j != d else 1.0
         centre = 0.5 * (low + high)
         centre[:, d] = (low, high)[side > 0][:, d]
-        parts.append(Elements(box, centre, area, np.zeros((len(box), D, D))))
+        half = 0.5 * np.where(np.arange(D) == d, 0.0, size)
+        parts.append(Elements(box, centre, area, np.zeros((len(box), D, D)), half))
     found = Elements(*map(np.concatenate, zip(*parts, strict=True)))
     return found.chosen(np.lexsort(found.box.T[::-1]))
 
@@ -279,13 +283,13 @@ def parts_of(body: LatticeBody, elements: Elements, x: Reals, ring: bool) -> tup
     -------
     parts : (n, width) float64
         Area, area vector, first moments.
-    products : (n, 0, 1 or 4) float64
-        Means of products of the distances from the part's centroid, see `PartParameters`.
+    products : (n, (1 + D) (0, 1 or 4)) float64
+        Products of inertia, see `pgimp.kernels.data.particles.Particles.bearing`.
     """
     n, D = x.shape
     found = np.zeros((n, 1 + D + D * D))
     if not n or not len(elements.box):
-        return found, np.zeros((n, PartParameters.products(D)))
+        return found, np.zeros((n, (1 + D) * PartParameters.products(D)))
     goes = carriers(body, elements)
     whole = _together(body, elements) if ring else elements.area
     shape = tuple(len(e) + 2 for e in body.edges)
@@ -295,26 +299,36 @@ def parts_of(body: LatticeBody, elements: Elements, x: Reals, ring: bool) -> tup
     row = np.minimum(np.searchsorted(numbers, target), n - 1)
     mine = numbers[row] == target
     elements, whole, row = elements.chosen(mine), whole[mine], row[mine]
-    factor = np.ones(len(row))
+    factor, bend = np.ones(len(row)), np.zeros((len(row), D))
     if ring:
         factor = 2.0 * np.pi * np.maximum(elements.centroid[:, 0], 0.0)
+    if ring and body.exact:  # of elements that are not straight
+        off = (elements.centroid[:, 0] - elements.centre[:, 0])[:, None]
+        bend = 2.0 * np.pi * (elements.moment[:, 0] - off * elements.area)
     square = sum(elements.area[:, d] ** 2 for d in range(D))
     np.add.at(found[:, 0], row, factor * np.sqrt(square))
     for d in range(D):
-        np.add.at(found[:, 1 + d], row, factor * elements.area[:, d])
+        np.add.at(found[:, 1 + d], row, factor * elements.area[:, d] + bend[:, d])
         for j in range(D):
             arm = elements.centre[:, j] - x[row, j]
             moment = factor * (elements.moment[:, j, d] + arm * elements.area[:, d])
             if ring:
                 moment += 2.0 * np.pi * _spread(whole, j) * elements.area[:, d]
+                moment += (elements.centroid[:, j] - x[row, j]) * bend[:, d]
             np.add.at(found[:, 1 + D + D * j + d], row, moment)
-    return found, _products(elements, x, row, found)
+    return found, _products(elements, x, row, found, whole if ring else None)
 
 
-def _products(elements: Elements, x: Reals, row: Indices, parts: Reals) -> Reals:
-    """Products of inertia of the parts of a surface in some rows, see `parts_of`."""
+def _products(
+    elements: Elements, x: Reals, row: Indices, parts: Reals, rings: Reals | None
+) -> Reals:
+    """Products of inertia of the parts of a surface in some rows, see `parts_of`.
+
+    For `rings` with the area vectors from `_together`.
+    """
     n, D = x.shape
-    found = np.zeros((n, PartParameters.products(D)))
+    count = PartParameters.products(D)
+    found = np.zeros((n, (1 + D) * count))
     loaded = np.flatnonzero(parts[:, 0])
     vector = parts[:, 1 : 1 + D]
     moment = parts[:, 1 + D :].reshape(n, D, D)
@@ -322,14 +336,20 @@ def _products(elements: Elements, x: Reals, row: Indices, parts: Reals) -> Reals
     centroid = x + (moment * vector[:, None]).sum(axis=2) / square[:, None]
     arm, area = elements.centroid - centroid[row], elements.area
     size = np.sqrt((area * area).sum(axis=1))
-    for column, axes in enumerate(MONOMIALS[D - 1][1 + D :]):
-        product = size * arm[:, axes].prod(axis=1)
-        if len(axes) == 2:  # an element is straight, or a flat one as wide as long
+    for column, axes in enumerate(MONOMIALS[D - 1][1 + D : 2**D]):
+        product = arm[:, axes].prod(axis=1)
+        if rings is not None:  # straight strips, which weigh with their radius
+            r, (a, b), (p, q) = np.maximum(elements.centroid[:, 0], 0.0), arm.T, rings.T
+            product = 2.0 * np.pi * (r * product + (q * q * b - p * q * (r + a)) / 12.0)
+        elif len(axes) == 2:  # an element is straight, or a flat one as wide as long
             i, j = axes
-            own = area[:, i] * area[:, j] / 12.0
-            product -= own * (size if D == 2 else 1.0)
-        np.add.at(found[:, column], row, product)
-    found[loaded] /= parts[loaded, 0, None]
+            product -= area[:, i] * area[:, j] / (12.0 * (1.0 if D == 2 else size))
+        np.add.at(found[:, column], row, size * product)
+        for d in range(D):
+            np.add.at(found[:, (1 + d) * count + column], row, area[:, d] * product)
+    found[loaded, :count] /= parts[loaded, 0, None]
+    for d in range(D):
+        found[:, (1 + d) * count : (2 + d) * count] -= found[:, :count] * vector[:, d, None]
     return found
 
 
@@ -359,7 +379,7 @@ def face_elements(body: LatticeBody, axis: int, side: int, planes: tuple[int, in
     a, b = (np.stack([ends[d][k][box[:, d]] for d in range(D)], axis=1) for k in (0, 1))
     area = np.zeros(box.shape)
     area[:, axis] = side * np.where(np.arange(D) == axis, 1.0, b - a).prod(axis=1)
-    return Elements(box, 0.5 * (a + b), area, np.zeros((len(box), D, D)))
+    return Elements(box, 0.5 * (a + b), area, np.zeros((len(box), D, D)), 0.5 * (b - a))
 
 
 #: Places in a box along each direction that tell elements apart.

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pgimp.kernels.data.arguments import Field
 from pgimp.kernels.data.ledger import Ledger
-from pgimp.kernels.step.momentum import WHOLE, update_momentum
+from pgimp.kernels.step.momentum import FURTHER, WHOLE, update_momentum
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.rank_state import RankState
@@ -28,11 +29,14 @@ class NoContact:
     ----------
     at_vertices : bool
         Whether bodies exchange impulses at shared vertices, for output in frames.
+    by_planes : bool
+        Whether `update_momentum` may go on some planes after the others.
     bears : bool
         Whether `exchange` leaves impulses to constraints, at vertices that they hold.
     """
 
     at_vertices = False
+    by_planes = True
     bears = False
     #: Number of each body's velocity field; () if all share one for ever.
     fields: tuple[int, ...] = ()
@@ -88,7 +92,10 @@ class NoContact:
 
     def update_momentum(self, rank: RankState, update: VertexUpdate) -> None:
         """Update velocities and accelerations of the vertices, with contact there: (14, 17)."""
-        self.advance(rank, update, WHOLE)
+        field, part = rank.grid.field, WHOLE
+        for active in rank.averaged_mass.by_planes(rank) if rank.averaged_mass else (field.active,):
+            self.advance(rank, update, part, field._replace(active=active))
+            part = FURTHER
 
     def exchange(self, rank: RankState, update: VertexUpdate) -> None:
         """Exchange impulses between vertices at different positions."""
@@ -105,12 +112,14 @@ class NoContact:
     def moved(self) -> None:
         """Note that the rank's particles have changed."""
 
-    def advance(self, rank: RankState, update: VertexUpdate, part: int) -> None:
-        """Call `update_momentum` for a part of the update."""
+    def advance(
+        self, rank: RankState, update: VertexUpdate, part: int, field: Field | None = None
+    ) -> None:
+        """Call `update_momentum` for a part of the update, of all planes or those of a `field`."""
         rank.call(
             update_momentum,
             self.scene.domain.frame,
-            rank.grid.field,
+            field or rank.grid.field,
             update.faces,
             update.forcing,
             update.ledger,

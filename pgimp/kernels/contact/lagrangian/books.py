@@ -98,7 +98,7 @@ def book_contacts(contact, free, contact_pairs, coupling, solved, walls, ledger)
     for k in range(len(contact_pairs.ends)):
         end, row = contact_pairs.ends[k], contact_pairs.states[k]
         wall = _wall_of(end, walls)
-        load_pair(contact, free.frame, contact_pairs, k, coupling, solved)
+        load_pair(contact, contact_pairs, k, coupling, solved)
         if wall >= 0:
             sign = -1.0 if end.bodies[0] < end.bodies[1] else 1.0
             face, fields = walls.planes[wall].face, contact.fields
@@ -108,8 +108,8 @@ def book_contacts(contact, free, contact_pairs, coupling, solved, walls, ledger)
             ledger.wall_energy[0, face, WALL_HEAT] += heat
             ledger.wall_energy[0, face, WALL_LOSS] += loss
             continue
-        number = (end.vertex[0], end.vertex[1], end.vertex[2])
-        book(contact, free, number, 0, 1.0, True, ledger, 0)
+        place = contact_pairs.rigid[k, 2]
+        book(contact, free, (0, 0, 0), place, 0, 1.0, True, ledger, 0)
 
 
 @inner_kernel

@@ -64,7 +64,7 @@ class Coupling(NamedTuple):
 
 
 @inner_kernel
-def _answer(coupling, r, numbers):
+def set_answer(coupling, r, numbers):
     """Set the inverse mass of a contact vertex, sum_j B_ij^2/m_j; 0 if nearly all is held."""
     column, entry, start = coupling.column, coupling.entry, coupling.start
     found, gives, every = vector(0.0), vector(0.0), vector(0.0)
@@ -263,5 +263,5 @@ def find_coupling(frame, particles, initial, mirrors, slots, contact_vertices, s
             )
             waiting = others
         start[r + 1] = used
-        _answer(coupling, r, numbers)
+        set_answer(coupling, r, numbers)
     return used

@@ -40,14 +40,13 @@ def load_field(contact, a, r, coupling, solved):
 
 
 @inlined
-def load_pair(contact, frame, contact_pairs, k, coupling, solved):
+def load_pair(contact, contact_pairs, k, coupling, solved):
     """Load pair `k` as the first pair at a vertex."""
     end, rigid = contact_pairs.ends[k], contact_pairs.rigid[k]
-    number = (end.vertex[0], end.vertex[1], end.vertex[2])
     for a in range(2):
         s = end.rows[a]
         if s < 0:
-            load_rigid(contact, contact.rigid_bodies, frame, a, s, number, rigid)
+            load_rigid(contact, contact.rigid_bodies, a, s, rigid)
         else:
             load_field(contact, a, s, coupling, solved)
         contact.bodies[a], contact.ends[0].fields[a] = end.bodies[a], a
@@ -56,13 +55,13 @@ def load_pair(contact, frame, contact_pairs, k, coupling, solved):
 
 
 @inlined
-def apply_impulse(contact, frame, end, J, coupling, solved):
-    """Apply an impulse to both ends of a pair, with opposite signs."""
-    number = (end.vertex[0], end.vertex[1], end.vertex[2])
+def apply_impulse(contact, contact_pairs, k, J, coupling, solved):
+    """Apply an impulse to both ends of pair `k`, with opposite signs."""
+    end, rigid = contact_pairs.ends[k], contact_pairs.rigid[k]
     for side in range(2):
         s, sign = end.rows[side], 2.0 * side - 1.0
         if s < 0:
-            push_rigid(contact.rigid_bodies, frame, s, number, J, sign)
+            push_rigid(contact.rigid_bodies, s, rigid, J, sign)
         else:
             add_impulse(s, J, sign, coupling, solved)
 
@@ -121,8 +120,8 @@ def _sweep(contact, free, contact_pairs, coupling, solved, forwards):
     number, pairs, change, most = (0, 0, 0), len(contact_pairs.ends), 0.0, 0.0
     for n in range(pairs):
         k = n if forwards else pairs - 1 - n
-        end, row = contact_pairs.ends[k], contact_pairs.states[k]
-        load_pair(contact, free.frame, contact_pairs, k, coupling, solved)
+        row = contact_pairs.states[k]
+        load_pair(contact, contact_pairs, k, coupling, solved)
         before = (impulse_of(row, 0), impulse_of(row, 1), impulse_of(row, 2))
         inverse = 0.0
         for d in range(3):
@@ -132,7 +131,7 @@ def _sweep(contact, free, contact_pairs, coupling, solved, forwards):
         contact_pairs.states[k] = contact.pair_states[0]
         J = tuple(impulse_of(row, d) - before[d] for d in range(3))
         if J[0] != 0.0 or J[1] != 0.0 or J[2] != 0.0:
-            apply_impulse(contact, free.frame, end, J, coupling, solved)
+            apply_impulse(contact, contact_pairs, k, J, coupling, solved)
         for d in range(3):
             change = max(change, abs(J[d]) * sqrt(inverse))
             most = max(most, abs(impulse_of(row, d)) * sqrt(inverse))
@@ -178,7 +177,7 @@ def conjugate_step(contact, free, contact_pairs, coupling, solved, changes, befo
             row.tangential_impulse[d] += direction[k, 1 + d]
         J = (impulse_of(row, 0) - old[0], impulse_of(row, 1) - old[1], impulse_of(row, 2) - old[2])
         if J[0] != 0.0 or J[1] != 0.0 or J[2] != 0.0:
-            apply_impulse(contact, free.frame, contact_pairs.ends[k], J, coupling, solved)
+            apply_impulse(contact, contact_pairs, k, J, coupling, solved)
         for n in range(IMPULSES):
             direction[k, n] += start[k, n]
     return square

@@ -19,6 +19,7 @@ from pgimp.kernels.contact.lagrangian.rigid_ends import load_resting
 from pgimp.kernels.contact.lagrangian.vertices import number_of
 from pgimp.kernels.data.particles import FloatArray
 from pgimp.kernels.grid.faces import face_count, on_walls, side_of, wall_of, wall_sides
+from pgimp.kernels.rigid.bodies import position_of
 from pgimp.kernels.rigid.ring_volume import ring_volume_factor
 from pgimp.physics.contact.base import UNILATERAL
 
@@ -36,12 +37,13 @@ class ContactPairs(NamedTuple):
 
     ends: NDArray  #: (pairs,) ENDS: The bodies, their vertex, and their law.
     states: NDArray  #: (pairs,) PAIR_STATE: As in `Contact`: normal, gap, and accumulated impulses.
-    rigid: FloatArray  #: (pairs, 2, 3) float64: Velocities of rigid ends, first and second.
+    #: (pairs, 3, 3) float64: Velocities of rigid ends, first and second; where the pair is.
+    rigid: FloatArray
 
     @classmethod
     def empty(cls, count: int) -> Self:
         """Allocate for `count` pairs."""
-        return cls(np.empty(count, ENDS), np.empty(count, PAIR_STATE), np.empty((count, 2, 3)))
+        return cls(np.empty(count, ENDS), np.empty(count, PAIR_STATE), np.empty((count, 3, 3)))
 
     def chosen(self, which: slice | np.ndarray) -> Self:
         """Return the pairs at some offsets or in a slice."""
@@ -102,9 +104,9 @@ def _keep_pairs(contact, frame, sums, number, slots, pairs, found, contact_pairs
         end, rigid = contact_pairs.ends[found - 1], contact_pairs.rigid[found - 1]
         contact_pairs.states[found - 1] = contact.pair_states[k]
         rigid[:, :] = 0.0
-        end.law = contact.ends[k].law
+        end.law, place = contact.ends[k].law, position_of(frame, number)
         for d in range(3):
-            end.vertex[d] = number[d]
+            end.vertex[d], rigid[2, d] = number[d], place[d]
         for side in range(2):
             a = contact.ends[k].fields[side]
             end.bodies[side] = contact.bodies[a]

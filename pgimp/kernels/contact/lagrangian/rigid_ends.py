@@ -26,10 +26,10 @@ UNKNOWN, FAR, NEAR = 0, 1, 2
 
 
 @inner_kernel
-def _arm(rigid_bodies, t, frame, number):
-    """Vector from the centre of a rigid body to a vertex."""
-    x, motion = position_of(frame, number), rigid_bodies.motion[t]
-    return x[0] - motion.centre[0], x[1] - motion.centre[1], x[2] - motion.centre[2]
+def _arm(rigid_bodies, t, rigid):
+    """Vector from the centre of a rigid body to where a pair is."""
+    motion = rigid_bodies.motion[t]
+    return tuple(rigid[2, d] - motion.centre[d] for d in range(3))
 
 
 @inner_kernel
@@ -54,10 +54,10 @@ def _prescribed(contact, a, rigid):
 
 
 @inlined
-def load_rigid(contact, rigid_bodies, frame, a, s, number, rigid):
+def load_rigid(contact, rigid_bodies, a, s, rigid):
     """Load a rigid end as field `a`: its velocity and, if it moves freely, its inverse mass.
 
-    `s` is minus 1 minus its number among all bodies, `rigid` the velocities of the pair's ends.
+    `s` is minus 1 minus its number among all bodies; `rigid` is the pair's, see `ContactPairs`.
     The inverse mass, by component, is a bound: absolute row sums of T C T^t.
     """
     if not move_freely(rigid_bodies):
@@ -66,11 +66,7 @@ def load_rigid(contact, rigid_bodies, frame, a, s, number, rigid):
     t = _free_number(rigid_bodies, s)
     if t < 0:
         return
-    row, motion, arm = (
-        contact.fields[a],
-        rigid_bodies.motion[t],
-        _arm(rigid_bodies, t, frame, number),
-    )
+    row, motion, arm = (contact.fields[a], rigid_bodies.motion[t], _arm(rigid_bodies, t, rigid))
     C = rigid_bodies.responses[0, rigid_bodies.lattice[t].free]
     for d in range(3):
         v, bound = 0.0, 0.0
@@ -87,13 +83,13 @@ def load_rigid(contact, rigid_bodies, frame, a, s, number, rigid):
 
 
 @inlined
-def push_rigid(rigid_bodies, frame, s, number, J, sign):
-    """Apply an impulse at a vertex to a rigid end that moves freely."""
+def push_rigid(rigid_bodies, s, rigid, J, sign):
+    """Apply an impulse of a pair to a rigid end that moves freely."""
     if move_freely(rigid_bodies):
         t = _free_number(rigid_bodies, s)
         if t < 0:
             return
-        motion, arm = rigid_bodies.motion[t], _arm(rigid_bodies, t, frame, number)
+        motion, arm = rigid_bodies.motion[t], _arm(rigid_bodies, t, rigid)
         answer = rigid_bodies.responses[0, rigid_bodies.lattice[t].free]
         for w in range(6):
             given = 0.0

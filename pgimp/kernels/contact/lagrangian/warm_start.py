@@ -78,7 +78,7 @@ def _set_impulse(contact, entry, row, J):
 
 
 @kernel
-def begin_impulses(contact, frame, kept, contact_pairs, coupling, solved, dt):
+def begin_impulses(contact, kept, contact_pairs, coupling, solved, dt):
     """Set the impulses of pairs to what the last steps predict for this one, and apply them.
 
     Parameters
@@ -98,13 +98,13 @@ def begin_impulses(contact, frame, kept, contact_pairs, coupling, solved, dt):
         n, m = _find(kept, n, end)
         if m < 0:
             continue
-        load_pair(contact, frame, contact_pairs, k, coupling, solved)
+        load_pair(contact, contact_pairs, k, coupling, solved)
         force, change = kept[m].force, kept[m].change
         J = (dt * (force[0] + change[0]), dt * (force[1] + change[1]), dt * (force[2] + change[2]))
         _set_impulse(contact, end.law - 1, row, J)
         J = (impulse_of(row, 0), impulse_of(row, 1), impulse_of(row, 2))
         if J[0] != 0.0 or J[1] != 0.0 or J[2] != 0.0:
-            apply_impulse(contact, frame, end, J, coupling, solved)
+            apply_impulse(contact, contact_pairs, k, J, coupling, solved)
 
 
 @kernel

@@ -107,7 +107,7 @@ def _shapes(counts: list[int], width: int, mirrors: int) -> list[tuple[tuple[int
     pairs, rows, entries, vertices = counts
     whole, real = np.dtype(np.int64), np.dtype(np.float64)
     return [
-        ((pairs,), ENDS), ((pairs,), PAIR_STATE), ((pairs, 2, 3), real), ((rows,), whole),
+        ((pairs,), ENDS), ((pairs,), PAIR_STATE), ((pairs, 3, 3), real), ((rows,), whole),
         ((entries,), whole), ((entries, width), real), ((rows, 3), real),
         ((rows, mirrors, 3), real), ((vertices,), whole), ((vertices,), REFERENCE_VERTEX),
     ]  # fmt: skip

@@ -225,7 +225,7 @@ class LagrangianContact(NoContact):
         vertices, solved = flat(values), Solved.empty(len(values), coupling)
         scratch = np.empty((2, len(pairs.ends), IMPULSES))
         call(begin_solution, free.frame, vertices, coupling, solved)
-        self._warm_start.begin(contact, free.frame, pairs, coupling, solved, self._dt)
+        self._warm_start.begin(contact, pairs, coupling, solved, self._dt)
         call(solve_impulses, contact, free, pairs, coupling, solved, scratch, *self._accuracy)
         self._warm_start.keep(pairs, self._dt)
         changes = Changes(keys, *np.empty((2, len(keys), 3)))

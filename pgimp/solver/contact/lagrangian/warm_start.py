@@ -10,7 +10,6 @@ from pgimp.kernels.contact.lagrangian.coupling import Coupling
 from pgimp.kernels.contact.lagrangian.pairs import ContactPairs
 from pgimp.kernels.contact.lagrangian.rows import Solved
 from pgimp.kernels.contact.lagrangian.warm_start import KEPT_FORCE, begin_impulses, keep_impulses
-from pgimp.kernels.data.frame import Frame
 from pgimp.mpi.communicator import Communicator
 
 #: Numbers of a kept force: vertex, bodies, force and its change.
@@ -50,16 +49,10 @@ class WarmStart:
         )
 
     def begin(
-        self,
-        contact: Contact,
-        frame: Frame,
-        pairs: ContactPairs,
-        coupling: Coupling,
-        solved: Solved,
-        dt: float,
+        self, contact: Contact, pairs: ContactPairs, coupling: Coupling, solved: Solved, dt: float
     ) -> None:
         """Set and apply the impulses that the last steps predict, on the rank that solves."""
-        self.call(begin_impulses, contact, frame, self._kept, pairs, coupling, solved, dt)
+        self.call(begin_impulses, contact, self._kept, pairs, coupling, solved, dt)
 
     def keep(self, pairs: ContactPairs, dt: float) -> None:
         """Keep the impulses of a step, on the rank that solves."""

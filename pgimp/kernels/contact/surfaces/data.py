@@ -1,0 +1,58 @@
+"""Surfaces of bodies for the kernels of contact: facets, patches, and the grid's cells there."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pgimp.jit.memory import structure
+from pgimp.kernels.data.particles import FloatArray, IntArray
+
+#: A facet near another body, in a step: the facet, the other body, its facet next to the first one.
+#: Then the gap between both, the place of the first one's centroid in the other body's cell, and
+#: the normal there, out of the other body.
+NEAR_FACET = structure(
+    ("facet", "i8"),
+    ("body", "i8"),
+    ("other", "i8"),
+    ("gap", "f8"),
+    ("place", "f8", 3),
+    ("normal", "f8", 3),
+)
+
+
+class Surface(NamedTuple):
+    """The facets of all bodies, by patch, see `pgimp.scene.bodies.surface_patches.Facets`."""
+
+    #: x, normal, middle, half: (n, 3) float64.
+    x: FloatArray
+    normal: FloatArray
+    middle: FloatArray
+    half: FloatArray
+    area: FloatArray  #: (n,) float64.
+    patch: IntArray  #: (n,) int64.
+    body: IntArray  #: (n,) int64: Bodies; rigid ones come after the others.
+    cell: IntArray  #: (n,) int64: Numbers in `SurfaceCells`; -1 on rigid bodies.
+    place: FloatArray  #: (n, 3) float64: Places in the cells, in cells from their first vertices.
+    #: start, beside: (n + 1,) and (k,) int64: Neighbours of each facet.
+    start: IntArray
+    beside: IntArray
+    #: now, turned: (n, 3) float64: Centroids and unit normals in this step, where they matter.
+    now: FloatArray
+    turned: FloatArray
+
+
+class SurfaceCells(NamedTuple):
+    """The cells of the bodies' own grids that facets are in."""
+
+    low: FloatArray  #: (m, 3) float64: Coordinates of their first vertices.
+    corners: IntArray  #: (m, 2^D) int64: Their vertices, as numbers of surface vertices.
+    #: start, column: (m + 1,) and (k,) int64: The vertices that move those, themselves or masters.
+    start: IntArray
+    column: IntArray
+    weight: FloatArray  #: (k, 2^D) float64: Weights of each at the cell's vertices.
+
+
+def no_facets(count: int) -> NDArray:
+    """Allocate for so many facets near other bodies."""
+    return np.empty(count, NEAR_FACET)

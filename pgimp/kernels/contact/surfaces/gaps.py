@@ -1,0 +1,200 @@
+"""Gaps between facets of one body and the surface of another, in the current configuration.
+
+The facet of the other body next to a point is the nearest in an array of flat discs. The point's
+place Y in the other body solves x_B(Y) = x, in the cell of that facet. With the signed distance phi
+of Y from the facet in the undeformed body, the gap is phi/|F^-T N|, and the normal is along F^-T N.
+"""
+
+from math import inf, sqrt
+
+from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
+from pgimp.kernels.contact.surfaces.motion import gradient_at, position_at, turned_normal
+
+#: Greatest cosine between normals of facets that meet; above `OPPOSED` they meet less readily than
+#: others: at an edge a face meets the other face that it lies on, not the one beside it. Weight of
+#: the square of what is above, over that of a distance of a cell.
+MEETS, OPPOSED, ASKEW = 0.3, -0.5, 4.0
+
+#: Cells by which facets of one body are apart in the initial state if they may meet.
+APART = 2.0
+
+#: Weight of the distance along a facet, so that one of several in a plane is next to a point.
+_ALONG = 1e-6
+
+#: Part of the mean radius of a facet by which it reaches farther than a disc of its area.
+_WIDE = 1.25
+
+#: Cells by which a point may lie beside a facet's part of a box, and the same over its distance.
+_BESIDE, _BESIDE_DISTANCE = 1e-3, 0.5
+
+#: Depth in cells beyond which a point is not in a surface, but in what is behind.
+DEEPEST = 0.5
+
+#: Iterations for the place in a cell, at most, and the error in cells that ends them.
+_NEWTON, _EXACT = 12, 1e-13
+
+
+@inner_kernel
+def reluctance(same, cell):
+    """Square of a length by which facets are farther from each other, by the cosine of normals."""
+    return inf if same > MEETS else ASKEW * (max(0.0, same - OPPOSED) * cell) ** 2
+
+
+@inner_kernel
+def apart(surface, s, f, cell):
+    """Whether two facets of one body are so far apart in the initial state that they may meet.
+
+    Of both patches the one with the smaller number looks for the other.
+    """
+    square = 0.0
+    for d in range(3):
+        square += (surface.x[s, d] - surface.x[f, d]) ** 2
+    return surface.patch[s] < surface.patch[f] and square > (APART * cell) ** 2
+
+
+@inner_kernel
+def _square(D, surface, s, cell, f):
+    """Square of the distance of facet `s` from facet `f`, with the `reluctance` of both."""
+    x, facing = surface.now[s], surface.turned[s]
+    if surface.body[s] == surface.body[f] and not apart(surface, s, f, cell):
+        return inf
+    along, whole, same = 0.0, 0.0, 0.0
+    for d in range(3):
+        way, n = x[d] - surface.now[f, d], surface.turned[f, d]
+        along += way * n
+        whole += way * way
+        same += facing[d] * n
+    beside = max(whole - along * along, 0.0)
+    radius = 0.5 * surface.area[f] if D == 2 else _WIDE * 0.5642 * sqrt(surface.area[f])
+    over = max(0.0, sqrt(beside) - radius) if D > 1 else 0.0
+    return along * along + over * over + _ALONG * beside + reluctance(same, cell)
+
+
+@inner_kernel
+def next_facet(D, surface, s, cell, f):
+    """Facet next to facet `s`, from facet `f` on along neighbours."""
+    least = _square(D, surface, s, cell, f)
+    while True:
+        best = f
+        for k in range(surface.start[f], surface.start[f + 1]):
+            other = surface.beside[k]
+            square = _square(D, surface, s, cell, other)
+            if square < least or (square == least and other < best):
+                least, best = square, other
+        if best == f:
+            return f
+        f = best
+
+
+@inner_kernel
+def _solve_place(frame, cells, c, x, u, F, place):
+    """Set the place in a cell, or beyond, that is at a current position; starts from `place`."""
+    D = len(frame.cell)
+    for _ in range(_NEWTON):
+        y = position_at(frame, cells, c, place, u)
+        gradient_at(frame, cells, c, place, u, F)
+        r = (x[0] - y[0], x[1] - y[1], x[2] - y[2])
+        J = 0.0
+        for j in range(3):
+            J += F[0, j] * _cofactor(F, 0, j)
+        most = 0.0
+        for j in range(D):  # inverse of F, the transposed cofactors over J
+            s = 0.0
+            for i in range(3):
+                s += _cofactor(F, i, j) * r[i]
+            s *= frame.inverse[j] / J
+            place[j] += s
+            most = max(most, abs(s))
+        if not most > _EXACT:
+            break
+
+
+@inner_kernel
+def _cofactor(F, i, j):
+    """Cofactor of an entry of F."""
+    a, b, c, d = (i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3
+    return F[a, c] * F[b, d] - F[a, d] * F[b, c]
+
+
+@inlined
+def _rigid_place(rigid_bodies, surface, x, near):
+    """Set place and normal of a point at a rigid body: the place is in its initial coordinates."""
+    if not is_record(rigid_bodies):
+        return 1.0
+    row = rigid_bodies.motion[near.body - rigid_bodies.bodies]
+    for d in range(3):
+        own = row.reference[d]
+        for k in range(3):
+            own += row.rotation[k, d] * (x[k] - row.centre[k])
+        near.place[d], near.normal[d] = own, surface.turned[near.other, d]
+    return 1.0
+
+
+@inner_kernel
+def _find_gap(frame, rigid_bodies, surface, cells, u, F, near):
+    """Set gap, place and normal of a facet's centroid at another body's surface."""
+    D, s, f = len(frame.cell), near.facet, near.other
+    x = (surface.now[s, 0], surface.now[s, 1], surface.now[s, 2])
+    c, length = surface.cell[f], 1.0
+    if c < 0:
+        _rigid_place(rigid_bodies, surface, x, near)
+    else:
+        for d in range(3):
+            near.place[d] = surface.place[f, d]
+        _solve_place(frame, cells, c, x, u, F, near.place)
+        n, J = turned_normal(F, surface.normal[f]), 0.0
+        for j in range(3):
+            J += F[0, j] * _cofactor(F, 0, j)
+        length = sqrt(n[0] ** 2 + n[1] ** 2 + n[2] ** 2)
+        for d in range(3):
+            near.normal[d] = n[d] / length
+        length /= J
+    phi, beside, least = 0.0, 0.0, inf
+    for d in range(D):
+        least = min(least, frame.cell[d])
+        phi += (_own(frame, cells, c, near, d) - surface.x[f, d]) * surface.normal[f, d]
+    near.gap = phi / length
+    for d in range(D):
+        y = _own(frame, cells, c, near, d) - phi * surface.normal[f, d]
+        beside = max(beside, abs(y - surface.middle[f, d]) - surface.half[f, d])
+    if beside > _BESIDE * least + _BESIDE_DISTANCE * abs(phi) or near.gap < -DEEPEST * least:
+        near.gap = inf
+
+
+@inner_kernel
+def _own(frame, cells, c, near, d):
+    """Initial coordinate of a place in a cell, or at a rigid body."""
+    return near.place[d] if c < 0 else cells.low[c, d] + near.place[d] * frame.cell[d]
+
+
+@kernel
+def find_gaps(frame, rigid_bodies, walls, surface, cells, u, F, every):
+    """Find the gaps between facets and the other bodies next to them.
+
+    Parameters
+    ----------
+    rigid_bodies : RigidBodies or ()
+        The rigid bodies at their positions.
+    walls : SeparatingWalls
+        The unilateral walls.
+    u : (vertices, 3) float64
+        Displacements of the surface vertices.
+    F : (3, 3) float64
+        Scratch.
+    every : (n,) NEAR_FACET
+        The facets; `other` is where the search for the one next to them begins.
+    """
+    D = len(frame.cell)
+    for n in range(len(every)):
+        near = every[n]
+        s = near.facet
+        wall = near.body - walls.first
+        if wall >= 0:
+            axis, side = walls.planes[wall].axis, walls.planes[wall].side
+            at = frame.origin[axis] + (walls.planes[wall].vertex - frame.ghost) * frame.cell[axis]
+            near.gap = (at - surface.now[s, axis]) * side
+            for d in range(3):
+                near.normal[d] = -1.0 * side if d == axis else 0.0
+            continue
+        near.other = next_facet(D, surface, s, frame.cell[0], near.other)
+        _find_gap(frame, rigid_bodies, surface, cells, u, F, near)

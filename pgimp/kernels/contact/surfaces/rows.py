@@ -1,0 +1,233 @@
+"""Pairs of a patch and another body, and their rows of the coupling matrix.
+
+The gap G of a patch is a smooth least one of its facets' gaps g_k, the level s that solves
+
+    sum_k A_k max(0, s - g_k)^2 = A d^2,   G = s - d,
+
+with the facets' areas A_k, the patch's area A and a small length d: the gap itself where a patch
+and what it meets are parallel. Its derivatives are weights, W_k ~ A_k max(0, s - g_k), which add up
+to 1. So the constraint G >= 0 acts where the patch touches, and neither takes nor gives energy: it
+is holonomic. The velocity at the patch is the mean
+
+    w = sum_k W_k sum_j N_j(X_k) v_j.
+
+The other body has the same sum with the places Y_k of the same points in it. So an impulse acts at
+one place of space on both bodies: momentum and angular momentum are exact.
+"""
+
+from math import inf, sqrt
+
+from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
+from pgimp.kernels.contact.data import clear_pair
+from pgimp.kernels.contact.lagrangian.coupling import set_answer
+from pgimp.kernels.contact.surfaces.motion import hat
+from pgimp.kernels.rigid.bodies import arm_of
+from pgimp.physics.contact.base import TIED
+
+#: The length d in cells.
+FADES = 0.005
+
+#: Iterations for the level, at most, and the change over d that ends them.
+_NEWTON, _EXACT = 40, 1e-12
+
+#: Cells of gap above which a patch has no pair.
+NEAR = 0.25
+
+#: Cells by which overlapping surfaces part in a step, at most.
+PARTS = 1e-3
+
+
+@inner_kernel
+def _level(surface, every, first, last, least, width):
+    """Level of a patch above the least gap, by Newton's method from above."""
+    near, whole = inf, 0.0
+    for n in range(first, last):
+        area = surface.area[every[n].facet]
+        whole += area
+        if every[n].gap == least:
+            near = min(near, area)
+    s = least + width * sqrt(whole / near)
+    for _ in range(_NEWTON):
+        value, slope = -whole * width * width, 0.0
+        for n in range(first, last):
+            deep = max(0.0, s - every[n].gap)
+            area = surface.area[every[n].facet]
+            value += area * deep * deep
+            slope += 2.0 * area * deep
+        s -= value / slope
+        if not value > _EXACT * width * slope:
+            break
+    return s
+
+
+@inner_kernel
+def _share(area, gap, level, tied):
+    """Weight of a facet in its patch."""
+    if not gap < inf:
+        return 0.0
+    return area if tied else area * max(0.0, level - gap)
+
+
+@inner_kernel
+def _add_place(D, cells, c, place, part, r, used, seen, coupling):
+    """Add a place's share to row `r`; returns the number of entries."""
+    column, entry = coupling.column, coupling.entry
+    for k in range(cells.start[c], cells.start[c + 1]):
+        w, j = 0.0, cells.column[k]
+        for corner in range(1 << D):
+            w += cells.weight[k, corner] * hat(D, place, corner)
+        if w == 0.0:
+            continue
+        if seen[0, j] != r:
+            if used < len(column):
+                seen[0, j], seen[1, j], column[used], entry[used, 0] = r, used, j, part * w
+            used += 1
+        elif seen[1, j] < len(column):
+            entry[seen[1, j], 0] += part * w
+    return used
+
+
+@inner_kernel
+def _set_pair(contact, surface, every, first, last, cell, dt, end, row, rigid):
+    """Set the state of a pair, given its facets; returns 0 unless they may touch.
+
+    It is 2 if the other body comes first, else 1. `cell` is the least side of a cell.
+    """
+    pairs, a, b = contact.pairs, surface.body[every[first].facet], every[first].body
+    entry, swapped = pairs.entry[min(a, b), max(a, b)], a > b
+    if entry < 0:
+        entry, swapped = -entry, not swapped
+    if entry == 0:
+        return 0
+    tied = pairs.kind[entry - 1] == TIED
+    least = inf
+    for n in range(first, last):
+        least = min(least, every[n].gap)
+    if not least < NEAR * cell:
+        return 0
+    level = least if tied else _level(surface, every, first, last, least, FADES * cell)
+    clear_pair(row)
+    end.law = entry
+    end.bodies[0], end.bodies[1] = (b, a) if swapped else (a, b)
+    end.vertex[0], end.vertex[1], end.vertex[2] = 2 * surface.patch[every[first].facet], 0, 0
+    whole, gap, sign = 0.0, level - FADES * cell, 1.0 if swapped else -1.0
+    for side in range(3):
+        for d in range(3):
+            rigid[side, d] = 0.0
+    for n in range(first, last):
+        s = every[n].facet
+        w = _share(surface.area[s], every[n].gap, level, tied)
+        if w == 0.0:
+            continue
+        whole += w
+        row.area += surface.area[s]
+        for d in range(3):
+            row.normal[d] += sign * w * every[n].normal[d]
+            rigid[2, d] += w * surface.now[s, d]
+    square = row.normal[0] ** 2 + row.normal[1] ** 2 + row.normal[2] ** 2
+    if not square > 0.0:
+        return 0
+    for d in range(3):
+        row.normal[d] /= sqrt(square)
+        rigid[2, d] /= whole
+    row.gap_rate = max(gap, -PARTS * cell) / dt
+    normal, shear, reach = pairs.adhesion[entry - 1]
+    if max(gap, 0.0) < reach:
+        row.adhesion, row.shear_adhesion = normal * row.area * dt, shear * row.area * dt
+    # Weights of the facets, for the rows.
+    for n in range(first, last):
+        s = every[n].facet
+        w = _share(surface.area[s], every[n].gap, level, tied)
+        every[n].gap = w / whole
+    return 2 if swapped else 1
+
+
+@inlined
+def _set_rigid_velocity(rigid_bodies, s, rigid, side):
+    """Set the velocity of a rigid end; walls are at rest. `s` is as in `load_rigid`."""
+    if not is_record(rigid_bodies):
+        return None
+    t = -1 - s - rigid_bodies.bodies
+    if t >= len(rigid_bodies.motion):
+        return
+    v = rigid_bodies.motion[t].velocity_after
+    arm = arm_of(rigid_bodies, t, (rigid[2, 0], rigid[2, 1], rigid[2, 2]))
+    for d in range(3):
+        e, f = (d + 1) % 3, (d + 2) % 3
+        rigid[side, d] = v[d] + v[3 + e] * arm[f] - v[3 + f] * arm[e]
+
+
+@kernel
+def find_patch_pairs(
+    contact, frame, surface, cells, every, dt, scratch, contact_pairs, coupling
+) -> tuple[int, int, int]:
+    """Find the pairs of patches and other bodies, and their rows.
+
+    Parameters
+    ----------
+    contact : Contact
+        Laws and rigid bodies.
+    every : (n,) NEAR_FACET
+        Facets with their gaps, by patch and other body; gaps become weights.
+    scratch : ((m, NUMBERS) float64, (2, m) int64)
+        The records of `ReferenceVertices`, and scratch.
+    contact_pairs : ContactPairs
+        With room for a pair each `n`.
+    coupling : Coupling
+        Filled, as far as there is room.
+
+    Returns
+    -------
+    tuple of 3 int
+        Numbers of pairs, rows and entries.
+    """
+    D, (numbers, seen) = len(frame.cell), scratch
+    cell = frame.cell[0]
+    for d in range(D):
+        cell = min(cell, frame.cell[d])
+    seen[0, :] = -1
+    pairs, rows, used, first, start = 0, 0, 0, 0, coupling.start
+    start[0] = 0
+    while first < len(every):
+        s, last = every[first].facet, first
+        while (
+            last < len(every)
+            and every[last].body == every[first].body
+            and surface.patch[every[last].facet] == surface.patch[s]
+        ):
+            last += 1
+        end, rigid = contact_pairs.ends[pairs], contact_pairs.rigid[pairs]
+        row = contact_pairs.states[pairs]
+        order = _set_pair(contact, surface, every, first, last, cell, dt, end, row, rigid)
+        if order > 0:
+            for side in range(2):
+                body = end.bodies[side]
+                own = side == order - 1
+                f = s if own else every[first].other
+                if f < 0 or surface.cell[f] < 0:
+                    end.rows[side] = -1 - body
+                    _set_rigid_velocity(contact.rigid_bodies, -1 - body, rigid, side)
+                    continue
+                end.rows[side] = rows
+                for n in range(first, last):
+                    part = every[n].gap
+                    if part == 0.0:
+                        continue
+                    k = every[n].facet
+                    if own:
+                        used = _add_place(
+                            D, cells, surface.cell[k], surface.place[k], part, rows, used, seen,
+                            coupling,
+                        )  # fmt: skip
+                    else:
+                        used = _add_place(
+                            D, cells, surface.cell[every[n].other], every[n].place, part, rows,
+                            used, seen, coupling,
+                        )  # fmt: skip
+                start[rows + 1] = used
+                if used <= len(coupling.column):
+                    set_answer(coupling, rows, numbers)
+                rows += 1
+            pairs += 1
+        first = last
+    return pairs, rows, used

@@ -1,0 +1,183 @@
+"""Search for facets near each other: neighbours on a body, and the facets of other bodies."""
+
+from math import inf
+
+from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.kernels.contact.surfaces.gaps import apart, reluctance
+from pgimp.kernels.data.motion import DISPLACEMENT
+from pgimp.kernels.data.record import RECORD
+
+
+@inner_kernel
+def _first(keys, key):
+    """Offset of the first of ascending keys that is not below a key."""
+    low, high = 0, len(keys)
+    while low < high:
+        middle = (low + high) // 2
+        if keys[middle] < key:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
+@kernel
+def find_beside(x, body, key_of, bins, strides, radius, start, beside):
+    """Find the neighbours of facets on their body; returns their number.
+
+    Parameters
+    ----------
+    x, body : (n, 3) float64, (n,) int64
+        Centroids and bodies.
+    key_of : (n,) int64
+        Keys of the bins, with sides `radius`, that they are in.
+    bins : ((n,) int64, (n,) int64)
+        These keys, ascending, and the facets in that order.
+    strides : (3,) int64
+        Differences of keys between neighbours by direction; 0 along a missing one of the first two.
+    radius : float
+        Greatest distance of neighbours.
+    start, beside : (n + 1,) and (k,) int64
+        See `Surface`; filled as far as there is room.
+    """
+    found, (keys, order) = 0, bins
+    start[0] = 0
+    for n in range(len(x)):
+        for way in range(9):
+            i, j = way // 3 - 1, way % 3 - 1
+            if (i != 0 and strides[0] == 0) or (j != 0 and strides[1] == 0):
+                continue
+            key = key_of[n] + i * strides[0] + j * strides[1]
+            at = _first(keys, key - 1)
+            while at < len(keys) and keys[at] <= key + 1:
+                m, square = order[at], 0.0
+                at += 1
+                if m == n or body[m] != body[n]:
+                    continue
+                for d in range(3):
+                    square += (x[m, d] - x[n, d]) ** 2
+                if square <= radius * radius:
+                    if found < len(beside):
+                        beside[found] = m
+                    found += 1
+        start[n + 1] = found
+    return found
+
+
+@kernel
+def bound_clusters(frame, numbers, records, motion, clusters, ends):
+    """Set the least coordinates of clusters, and the least of the reversed ones, of own vertices.
+
+    Parameters
+    ----------
+    numbers : (v, 4) int64
+        Numbers of the surface vertices along x, y, z, and their fields.
+    records : (v,) int64
+        Numbers of their records; -1 of other ranks' ones.
+    motion : VertexMotion
+        With their displacements.
+    clusters : ((k,) int64, (k,) int64)
+        Clusters, and the vertices of their cells.
+    ends : (2, clusters, D) float64
+        inf before.
+    """
+    owner, corner = clusters
+    for k in range(len(owner)):
+        v, c = corner[k], owner[k]
+        r = records[v]
+        if r < 0:
+            continue
+        for d in range(len(frame.cell)):
+            x = frame.origin[d] + (numbers[v, d] - frame.ghost) * frame.cell[d]
+            x += motion.values[r * RECORD + DISPLACEMENT + d]
+            ends[0, c, d] = min(ends[0, c, d], x)
+            ends[1, c, d] = min(ends[1, c, d], -x)
+
+
+@inner_kernel
+def _looks(surface, acts, cell, s, f):
+    """Whether facet `s` looks for facet `f`: of another body, or far from it on its own."""
+    a, b = surface.body[s], surface.body[f]
+    if acts[a, b] == 0:
+        return False
+    return a != b or apart(surface, s, f, cell)
+
+
+@kernel
+def find_meeting(surface, acts, some, bins, strides, reach, marks, best, every):
+    """Find the facets that may soon meet another body, and the nearest facet there.
+
+    Parameters
+    ----------
+    surface : Surface
+        The facets, moved.
+    acts : (bodies, bodies) uint8
+        Whether facets of the first body look for those of the second.
+    some : (n,) int64
+        The facets to look at.
+    bins : ((n,) int64, (n,) int64, (n,) int64)
+        Keys of the bins that they are in, with sides of the reach; these keys, ascending, and the
+        facets' offsets in `some` in that order.
+    strides : (3,) int64
+        See `find_beside`.
+    reach : (float, float)
+        Greatest distance, and the side of a cell.
+    marks : (facets,) uint8
+        Set to 1 for all facets within reach of each other.
+    best : ((bodies,) float64, (bodies,) int64, (bodies,) int64)
+        Scratch; the first is inf before and after.
+    every : (room,) NEAR_FACET
+        Filled as far as there is room: facets, bodies, the nearest facet there.
+
+    Returns
+    -------
+    int
+        How many there are.
+    """
+    found, (key_of, keys, order), (least, nearest, met) = 0, bins, best
+    for n in range(len(some)):
+        s, bodies = some[n], 0
+        for way in range(9):
+            i, j = way // 3 - 1, way % 3 - 1
+            if (i != 0 and strides[0] == 0) or (j != 0 and strides[1] == 0):
+                continue
+            key = key_of[n] + i * strides[0] + j * strides[1]
+            at = _first(keys, key - 1)
+            while at < len(keys) and keys[at] <= key + 1:
+                f, square, same = some[order[at]], 0.0, 0.0
+                at += 1
+                if not _looks(surface, acts, reach[1], s, f):
+                    continue
+                for d in range(3):
+                    square += (surface.now[s, d] - surface.now[f, d]) ** 2
+                    same += surface.turned[s, d] * surface.turned[f, d]
+                if square > reach[0] * reach[0]:
+                    continue
+                marks[f] = marks[s] = 1
+                square, b = square + reluctance(same, reach[1]), surface.body[f]
+                if not square < inf:
+                    continue
+                if least[b] == inf:
+                    met[bodies] = b
+                    bodies += 1
+                if square < least[b] or (square == least[b] and f < nearest[b]):
+                    least[b], nearest[b] = square, f
+        for k in range(bodies):
+            b = met[k]
+            if found < len(every):
+                every[found].facet, every[found].body = s, b
+                every[found].other, every[found].gap = nearest[b], inf
+            found += 1
+            least[b] = inf
+    return found
+
+
+@kernel
+def keys_of_vertices(bits, numbers, keys):
+    """Set the keys of vertices, given numbers along x, y, z and field, (n, 4) int64.
+
+    `bits` are of a key, see `pgimp.kernels.contact.lagrangian.reference_grid.key_bits`.
+    """
+    for n in range(len(keys)):
+        key = (numbers[n, 0] << bits[0]) + numbers[n, 1]
+        keys[n] = (((key << bits[1]) + numbers[n, 2]) << bits[2]) + numbers[n, 3]

@@ -1,0 +1,164 @@
+"""Contact of bodies in the initial configuration by their own surfaces.
+
+Of bodies that are exact to their surface, with each other, rigid bodies, unilateral walls, and with
+themselves.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pgimp.jit.rehearsal import needed
+from pgimp.kernels.contact.lagrangian.books import book_held
+from pgimp.kernels.contact.lagrangian.coupling import Coupling
+from pgimp.kernels.contact.lagrangian.pairs import ContactPairs
+from pgimp.kernels.contact.lagrangian.reference_grid import (
+    REFERENCE_VERTEX,
+    ReferenceVertices,
+    change_velocities,
+    read_reference_vertices,
+)
+from pgimp.kernels.contact.surfaces.gaps import find_gaps
+from pgimp.kernels.contact.surfaces.motion import move_facets
+from pgimp.kernels.contact.surfaces.rows import find_patch_pairs
+from pgimp.kernels.data.ledger import CONTACT_AREA
+from pgimp.kernels.grid.conditions import Holding
+from pgimp.mpi.communicator import Communicator
+from pgimp.scene.scene import Scene
+from pgimp.solver.contact.grown import grown
+from pgimp.solver.contact.lagrangian.joint import Joint, share
+from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact, nothing_held
+from pgimp.solver.contact.lagrangian.selected import flat
+from pgimp.solver.contact.surfaces.proximity import Near, Proximity
+from pgimp.solver.contact.surfaces.table import Table, table_of
+from pgimp.solver.rank_state import RankState
+from pgimp.solver.vertices import VertexUpdate
+
+
+class SurfaceContact(LagrangianContact):
+    """Contact by surfaces: patches of one body, and the nearest facets of another.
+
+    The rank with the first layer finds the gaps, and solves for the impulses, from the vertices of
+    all ranks near contact. So nothing depends on the ranks.
+    """
+
+    def __init__(self, scene: Scene, comm: Communicator) -> None:
+        super().__init__(scene, comm)
+        self._proximity = Proximity(scene, comm, self._walls)
+        self._table: Table | None = None
+        self._slaves: object = None
+        self._acts = np.zeros((0, 0), np.uint8)
+
+    def moved(self) -> None:
+        """See `NoContact.moved`."""
+        self._proximity.restart()
+
+    def exchange(self, rank: RankState, update: VertexUpdate) -> None:
+        """See `NoContact.exchange`."""
+        rigid_bodies, free = self.rigid_bodies, self.free
+        t, _, forcing, ledger = update
+        every, self._dt, self.changes = self.scene.interaction.rigid_bodies, t.dt, None
+        ledger.contact[:, :, CONTACT_AREA] = 0.0
+        if every:
+            every.at(t.start, t.end, free.states if free else None)  # in place
+        if free:
+            free.begin(rigid_bodies, t, forcing.gravity)
+        table, rate = self._known(rank), max(every.rate, free.rate if free else 0.0)
+        self._proximity.update(rank, table, self._acts, rigid_bodies, t.dt, rate)
+        near = self._proximity.near
+        assert near is not None
+        if needed(near.any):
+            self._act(rank, update, table, near)
+        else:
+            self._warm_start.clear()
+        if free:
+            free.end(rigid_bodies, t.dt)
+
+    def _known(self, rank: RankState) -> Table:
+        """The surfaces of all bodies; collective when they have to be found."""
+        slaves = rank.slaves.keys if rank.slaves else None
+        if self._table is None or self._slaves is not slaves:
+            self._table, self._slaves = table_of(rank, self.fields), slaves
+            self._acts = self._looking()
+            self._proximity.restart()
+        return self._table
+
+    def _looking(self) -> np.ndarray:
+        """Whether facets of a body look for another's: of bodies that act, those of the first."""
+        count, groups = self._walls.first, self.groups
+        acts = np.triu(self.pairs.entry[:count, :count]) != 0
+        acts[self.bodies :] = False
+        soft = slice(self.bodies)
+        acts[soft, soft] &= (groups[:, None] != groups) | np.eye(len(groups), dtype=bool)
+        return acts.astype(np.uint8)
+
+    def _act(self, rank: RankState, update: VertexUpdate, table: Table, near: Near) -> None:
+        """Find the gaps, solve for the impulses, and apply them; collective."""
+        scene, contact, call, grid = self.scene, self._contact, self.call, rank.grid
+        t, faces, forcing, ledger = update
+        frame, root = scene.domain.frame, self._proximity.root
+        holding = Holding(faces, frame, forcing, contact.scratch_impulse, forcing.loads.relaxation)
+        values = np.empty(len(near.own), REFERENCE_VERTEX)
+        call(read_reference_vertices, holding, grid.field, near.keys[near.own], values)
+        u, every = self._proximity.displacements(rank, near), self._proximity.on_root(near, values)
+        joint: Joint | None = None
+        found = np.zeros(1, np.int64)
+        if u is not None and every is not None:
+            joint = self._pairs(table, near, u, every, t.dt)
+            found[0] = len(joint.pairs.ends)
+        if self.comm.size > 1:
+            self.comm.Bcast(found, root)
+        if not needed(found[0]):
+            self._warm_start.clear()
+            return
+        self._warm_start.move_to(root)
+        changes = None
+        if joint is not None:
+            changes = self._solve(joint, nothing_held(holding), ledger)
+        else:
+            self._warm_start.clear()
+        if self.comm.size > 1:
+            answers = self.rigid_bodies.responses["trial_impulse"] if self.free else np.empty(0)
+            changes = share(self.comm, root, changes, answers)
+        assert changes is not None
+        self.changes = changes
+        call(change_velocities, frame, grid.field, changes, forcing, ledger.work)
+        call(book_held, holding, grid.field, changes, ledger)
+
+    def _pairs(
+        self, table: Table, near: Near, u: np.ndarray, values: np.ndarray, dt: float
+    ) -> Joint:
+        """The pairs of patches and other bodies, with their rows of B."""
+        call, frame, surface = self.call, self.scene.domain.frame, table.surface
+        proximity, rigid, cells = self._proximity, self.rigid_bodies, near.cells
+        every, scratch = proximity.candidates, proximity.scratch
+        call(move_facets, frame, rigid, surface, cells, u, proximity.moving, scratch)
+        call(find_gaps, frame, rigid, self._walls, surface, cells, u, scratch[0], every)
+        most = len(every)
+        pairs, seen = ContactPairs.empty(most), np.empty((2, len(near.keys)), np.int64)
+        vertices, counts = (flat(values), seen), [0, 0]
+
+        def fill(coupling: Coupling) -> int:
+            counts[0], counts[1], used = call(
+                find_patch_pairs, self._contact, frame, surface, cells, every.copy(), dt, vertices,
+                pairs, coupling,
+            )  # fmt: skip
+            return int(used)
+
+        coupling, used = grown(
+            8 * most + 64,
+            lambda size: Coupling(
+                np.zeros(2 * most + 1, np.int64),
+                np.empty(size, np.int64),
+                np.empty((size, 1)),
+                np.empty((2 * most, 3)),
+                np.zeros((2 * most, 0, 3)),
+            ),
+            fill,
+        )
+        found, rows = counts
+        coupling = Coupling(
+            coupling.start[: rows + 1], coupling.column[:used], coupling.entry[:used],
+            coupling.answer[:rows], coupling.beyond[:rows],
+        )  # fmt: skip
+        return Joint(pairs.chosen(slice(found)), coupling, ReferenceVertices(near.keys, values))

@@ -1,0 +1,274 @@
+"""Facets that may soon meet another body, or their own: known for several steps."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pgimp.geometry.sweep import close_pairs
+from pgimp.jit.bound import Bound
+from pgimp.jit.rehearsal import needed
+from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
+from pgimp.kernels.contact.surfaces.data import SurfaceCells, no_facets
+from pgimp.kernels.contact.surfaces.motion import move_facets
+from pgimp.kernels.contact.surfaces.search import bound_clusters, find_meeting
+from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_VELOCITY
+from pgimp.kernels.data.record import RECORD
+from pgimp.mpi.communicator import Communicator
+from pgimp.scene.scene import Scene
+from pgimp.solver.contact.grown import grown
+from pgimp.solver.contact.lagrangian.messages import greatest, swap
+from pgimp.solver.contact.surfaces.table import Table, bins_of, records_of
+from pgimp.solver.rank_state import RankState
+
+#: Cells within which facets of two bodies are known to each other, and by which each body may move
+#: until the next search; the most steps until then.
+REACH, TRAVEL, LONGEST = 1.0, 0.25, 16
+
+_U = slice(DISPLACEMENT, DISPLACEMENT + 3)
+
+
+class Near(NamedTuple):
+    """Vertices that move facets near other bodies, until the next search."""
+
+    any: bool  #: Whether there are any.
+    facets: np.ndarray  #: (n,) int64: All facets of clusters that may meet others.
+    cells: SurfaceCells  #: Cells with the vertices' numbers among those below.
+    keys: np.ndarray  #: (v,) int64: Keys of the vertices that move these facets.
+    records: np.ndarray  #: (o,) int64: Records of those that the rank owns.
+    own: np.ndarray  #: (o,) int64: Their numbers.
+    every: np.ndarray  #: (v,) int64: Numbers of those of all ranks, one rank after the other.
+    counts: np.ndarray  #: (ranks,) int64: How many each rank owns.
+
+
+class Proximity:
+    """Finds the facets near other bodies, and knows how long they are all.
+
+    Parameters
+    ----------
+    walls : SeparatingWalls
+        The unilateral walls.
+
+    Attributes
+    ----------
+    near : Near
+        What may meet.
+    candidates : (n,) NEAR_FACET
+        Facets near another body, by patch and body, with the nearest facet there; on the root.
+    moving : (k,) int64
+        These facets, those near them on the other bodies; on the root.
+    root : int
+        The rank with the first layer, which finds the gaps.
+    """
+
+    def __init__(self, scene: Scene, comm: Communicator, walls: SeparatingWalls) -> None:
+        self.scene, self.comm, self.walls, self.call = scene, comm, walls, Bound()
+        self.near: Near | None = None
+        self.candidates, self.moving = no_facets(0), np.empty(0, np.int64)
+        self.root = 0
+        self.scratch = np.zeros((3, 3)), np.zeros((2**scene.dimension, 3))
+        self._pause, self._moved = 0, 0.0
+        self._records, self._before = np.empty(0, np.int64), np.empty((0, 3))
+        self._window: object = None
+
+    def restart(self) -> None:
+        """Search in the next step: vertices or bodies have changed."""
+        self._pause, self._window = 0, None
+
+    def update(
+        self, rank: RankState, table: Table, acts: np.ndarray, rigid: Any, dt: float, rate: float
+    ) -> None:
+        """Search, if any facets may have come near others since; collective.
+
+        Parameters
+        ----------
+        acts : (bodies, bodies) uint8
+            See `find_meeting`.
+        rigid : RigidBodies or ()
+            The rigid bodies at their positions.
+        dt, rate : float
+            The step; most cells that a point of rigid bodies crosses per unit of time.
+        """
+        self._moved += rate * dt
+        self._pause -= 1
+        if self._pause >= 0:
+            return
+        if self._window is not rank.grid.window:
+            self._window, self.near = rank.grid.window, None
+            self._records = records_of(rank, table.numbers)
+        motion = rank.grid.kept.values.reshape(-1, RECORD)[self._records[self._records >= 0]]
+        inverse, D = np.array(rank.grid.frame.inverse), self.scene.dimension
+        speed = np.abs(motion[:, KEPT_VELOCITY : KEPT_VELOCITY + D]) * inverse
+        travel = max(greatest(self.comm, float(speed.max(initial=0.0))), rate) * dt
+        moved = np.inf
+        if self.near is not None:
+            away = np.abs(motion[:, _U] - self._before)[:, :D] * inverse
+            moved = float(away.max(initial=0.0))
+        left = TRAVEL - max(greatest(self.comm, moved), self._moved)
+        if left > 4.0 * travel:
+            self._pause = int(min(LONGEST, left / travel if travel > 0.0 else LONGEST)) - 1
+            return
+        self._before, self._moved = motion[:, _U].copy(), 0.0
+        self._pause = int(max(1.0, min(LONGEST, TRAVEL / travel if travel > 0.0 else LONGEST))) - 1
+        slab = rank.grid.slab
+        first = slab.layers and slab.lower is None
+        self.root = -int(greatest(self.comm, -self.comm.rank if first else -self.comm.size))
+        low, high = self._boxes(rank, table, rigid)
+        met, on_walls = self._meeting(table, acts, low, high)
+        facets = table.facets(met)
+        self.near = self._select(table, np.unique(np.concatenate([facets, *on_walls.values()])))
+        self._find(rank, table, self.near, acts, rigid, facets, on_walls)
+
+    def _boxes(self, rank: RankState, table: Table, rigid: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Least and greatest coordinates of the clusters; collective."""
+        frame, D, bodies = self.scene.domain.frame, self.scene.dimension, self.walls.first
+        soft = len(self.scene.body_names)
+        cell, motion = np.array(frame.cell), rank.grid.kept
+        ends = np.full((2, len(table.body), D), np.inf)
+        clusters = table.owner, table.corner
+        self.call(bound_clusters, frame, table.numbers, self._records, motion, clusters, ends)
+        ends = _least(self.comm, ends)
+        for c in np.flatnonzero((table.body >= soft) & (table.body < bodies)):
+            row = rigid.motion[table.body[c] - soft]
+            some = table.members[table.first[c] : table.first[c + 1]]
+            x = (table.surface.x[some] - row["reference"]) @ row["rotation"].T + row["centre"]
+            ends[0, c], ends[1, c] = x[:, :D].min(axis=0), -x[:, :D].max(axis=0)
+        return ends[0] - 0.2 * cell, -ends[1] + 0.2 * cell
+
+    def _meeting(
+        self, table: Table, acts: np.ndarray, low: np.ndarray, high: np.ndarray
+    ) -> tuple[np.ndarray, dict[int, np.ndarray]]:
+        """Clusters that may meet others, and for each wall the facets that may meet it."""
+        frame, both = self.scene.domain.frame, acts | acts.T
+        cell = np.array(frame.cell)
+        reach = REACH * cell
+        some = _beside(table.body, low, high, reach, both)
+        a, b = some[close_pairs(low[some], high[some], reach)].T
+        met = both[table.body[a], table.body[b]] != 0
+        met &= (low[a] <= high[b] + reach).all(axis=1) & (low[b] <= high[a] + reach).all(axis=1)
+        alone = some[both[table.body[some], table.body[some]] != 0]
+        on_walls = {}
+        soft = np.flatnonzero(table.body < len(self.scene.body_names))
+        for w, (axis, side, place, *_) in enumerate(self.walls.planes.tolist()):
+            at = frame.origin[axis] + (place - frame.ghost) * cell[axis]
+            end = (high if side > 0 else low)[soft, axis]
+            near = soft[side * (at - end) < reach[axis]]
+            on_walls[self.walls.first + w] = table.facets(near)
+        return np.unique(np.concatenate([a[met], b[met], alone])), on_walls
+
+    def _select(self, table: Table, facets: np.ndarray) -> Near:
+        """The cells and vertices of facets that may meet others; collective."""
+        cells = table.cells
+        marks, used = np.zeros(len(table.keys), bool), np.zeros(len(cells.low), bool)
+        some = table.surface.cell[facets]
+        used[some[some >= 0]] = True
+        marks[cells.corners[used].reshape(-1)] = True
+        marks[cells.column[np.repeat(used, np.diff(cells.start))]] = True
+        number = np.cumsum(marks) - 1
+        # Cells of others have vertices of any number: they are not looked at.
+        mapped = cells._replace(corners=number[cells.corners], column=number[cells.column])
+        own = np.flatnonzero(marks & (self._records >= 0))
+        every = self.comm.allgather(number[own])
+        return Near(
+            len(facets) > 0, facets, mapped, table.keys[marks], self._records[own], number[own],
+            np.concatenate(every), np.array([len(each) for each in every]),
+        )  # fmt: skip
+
+    def displacements(self, rank: RankState, near: Near) -> np.ndarray | None:
+        """Displacements of the near vertices, (v, 3), on the root; collective."""
+        values = rank.grid.kept.values.reshape(-1, RECORD)
+        return self.on_root(near, np.ascontiguousarray(values[near.records, _U]))
+
+    def on_root(self, near: Near, values: np.ndarray) -> np.ndarray | None:
+        """What all ranks have at their near vertices, on the root; collective."""
+        found = np.zeros((len(near.keys), *values.shape[1:]), values.dtype)
+        if self.comm.size == 1:
+            found[near.own] = values
+            return found
+        sent, received = np.zeros((2, self.comm.size), np.int64)
+        sent[self.root] = len(values)
+        if self.comm.rank == self.root:
+            received[:] = near.counts
+        arrived = swap(self.comm, values, sent, received)
+        if self.comm.rank != self.root:
+            return None
+        found[near.every] = arrived
+        return found
+
+    def _find(
+        self,
+        rank: RankState,
+        table: Table,
+        near: Near,
+        acts: np.ndarray,
+        rigid: Any,
+        some: np.ndarray,
+        on_walls: dict[int, np.ndarray],
+    ) -> None:
+        """Find the candidates on the root; collective."""
+        u, surface, call = self.displacements(rank, near), table.surface, self.call
+        self.candidates, self.moving = no_facets(0), np.empty(0, np.int64)
+        if u is None or not needed(near.any):
+            return
+        frame = self.scene.domain.frame
+        call(move_facets, frame, rigid, surface, near.cells, u, near.facets, self.scratch)
+        marks, reach = np.zeros(len(surface.x), np.uint8), (REACH * max(frame.cell), frame.cell[0])
+        key_of, strides = bins_of(surface.now[some], reach[0], self.scene.dimension)
+        order = np.argsort(key_of, kind="stable")
+        bins, count = (key_of, key_of[order], order), len(acts)
+        best = np.full(count, np.inf), np.empty(count, np.int64), np.empty(count, np.int64)
+        parts = []
+        if needed(len(some)):
+            every, found = grown(
+                2 * len(some) + 16,
+                no_facets,
+                lambda room: call(
+                    find_meeting, surface, acts, some, bins, strides, reach, marks, best, room
+                ),
+            )
+            parts.append(every[:found])
+        for body, these in on_walls.items():
+            axis, side, place, *_ = self.walls.planes[body - self.walls.first].tolist()
+            at = frame.origin[axis] + (place - frame.ghost) * frame.cell[axis]
+            away = side * (at - surface.now[these, axis]) / frame.cell[axis]
+            these = these[(away < REACH) & (side * surface.turned[these, axis] > 0.0)]
+            one = no_facets(len(these))
+            one["facet"], one["body"], one["other"] = these, body, -1
+            marks[these] = 1
+            parts.append(one)
+        every = np.concatenate([no_facets(0), *parts])
+        order = np.lexsort((every["facet"], every["body"], surface.patch[every["facet"]]))
+        self.candidates, self.moving = every[order], np.flatnonzero(marks)
+        surface.now[near.facets[marks[near.facets] == 0]] = np.inf  # far until the next search
+
+
+def _beside(
+    body: np.ndarray, low: np.ndarray, high: np.ndarray, reach: np.ndarray, acts: np.ndarray
+) -> np.ndarray:
+    """Clusters near the box of a body on which theirs acts."""
+    bodies, first = np.unique(body, return_index=True)
+    if not len(first):
+        return np.empty(0, np.int64)
+    least, most = np.minimum.reduceat(low, first), np.maximum.reduceat(high, first)
+    found, ends = np.zeros(len(body), bool), np.append(first, len(body))
+    for a, b in close_pairs(least, most, reach).tolist():
+        if acts[bodies[a], bodies[b]] == 0:
+            continue
+        for own, its in ((a, b), (b, a)):
+            mine = slice(ends[own], ends[own + 1])
+            near = (low[mine] <= most[its] + reach).all(axis=1)
+            found[mine] |= near & (least[its] <= high[mine] + reach).all(axis=1)
+    found |= acts[body, body] != 0
+    return np.flatnonzero(found)
+
+
+def _least(comm: Communicator, values: np.ndarray) -> np.ndarray:
+    """The least values of all ranks; collective."""
+    if comm.size == 1:
+        return values
+    from mpi4py import MPI
+
+    found = np.empty_like(values)
+    comm.Allreduce(values, found, MPI.MIN)
+    return found

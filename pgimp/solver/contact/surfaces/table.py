@@ -1,0 +1,234 @@
+"""The surfaces of a scene's bodies and rigid bodies, in patches, with the cells that move them."""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+
+from pgimp.jit.bound import Bound
+from pgimp.kernels.contact.surfaces.data import Surface, SurfaceCells
+from pgimp.kernels.contact.surfaces.search import find_beside, keys_of_vertices
+from pgimp.kernels.data.motion import KEPT_MASS
+from pgimp.kernels.data.record import RECORD
+from pgimp.scene.bodies.lattice import Lattice
+from pgimp.scene.bodies.lattice_body import LatticeBody
+from pgimp.scene.bodies.surface_patches import Facets, facets_of
+from pgimp.scene.scene import Scene
+from pgimp.solver.contact.grown import grown
+from pgimp.solver.contact.lagrangian.messages import united
+from pgimp.solver.lagrangian.masters import Vertices
+from pgimp.solver.rank_state import RankState
+
+#: Cells along a side of a cluster of facets.
+WIDE = 4
+
+#: Greatest distance of neighbouring facets, in cells, by dimensions.
+_BESIDE = (1.0, 0.3, 0.4)
+
+#: Cells behind a facet where its cell is looked for, the first whose vertices all have mass.
+_DEPTHS = (1e-6, 0.1, 0.3, 0.6, 1.0, 1.5)
+
+
+class Table(NamedTuple):
+    """Facets of all bodies, equal on all ranks."""
+
+    surface: Surface  #: The facets.
+    cells: SurfaceCells  #: The cells that they are in.
+    numbers: np.ndarray  #: (v, 4) int64: Numbers along x, y, z and fields of their vertices.
+    keys: np.ndarray  #: (v,) int64: Keys of these, as of reference vertices.
+    #: first, members: (m + 1,) and (n,) int64: The facets of each cluster.
+    first: np.ndarray
+    members: np.ndarray
+    body: np.ndarray  #: (m,) int64: The clusters' bodies.
+    #: owner, corner: (k,) int64: Clusters, and the vertices of their cells, each pair once.
+    owner: np.ndarray
+    corner: np.ndarray
+
+    def facets(self, clusters: np.ndarray) -> np.ndarray:
+        """The facets of some clusters."""
+        every = [self.members[self.first[c] : self.first[c + 1]] for c in clusters.tolist()]
+        return np.concatenate([np.empty(0, np.int64), *every])
+
+
+def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
+    """Find the surfaces of all bodies; collective."""
+    scene, frame = rank.scene, rank.scene.domain.frame
+    D, cell = scene.dimension, np.array(frame.cell)
+    origin = np.array(frame.origin)
+    every = [*_bodies(scene), *_rigid_bodies(scene)]
+    found = [
+        facets_of(body, origin, cell, scene.interaction.loads.surfaces.closed) for body in every
+    ]
+    body = np.repeat(np.arange(len(found)), [len(each.x) for each in found])
+    facets = Facets.joined(found)
+    soft = body < len(scene.body_names)
+    cells, of, numbers = _cells(rank, facets, body, soft, fields)
+    index = np.full(len(body), -1)
+    index[soft] = of
+    place = np.zeros((len(body), 3))
+    place[soft, :D] = (facets.x[soft, :D] - cells.low[of, :D]) / cell
+    start, beside = _beside(facets.x, body, float(cell.max()) * _BESIDE[D - 1], D)
+    surface = Surface(
+        facets.x, facets.normal, facets.middle, facets.half, facets.area, facets.patch, body,
+        index, place, start, beside, np.zeros((len(body), 3)), np.zeros((len(body), 3)),
+    )  # fmt: skip
+    keys = np.empty(len(numbers), np.int64)
+    keys_of_vertices(_bits(frame, 1 + max(fields, default=0)), numbers, keys)
+    number = np.floor((facets.x[:, :D] - origin) / (WIDE * cell)).astype(np.int64)
+    _, cluster = np.unique(np.column_stack([body, number]), axis=0, return_inverse=True)
+    cluster = cluster.reshape(-1)
+    count = 1 + cluster.max(initial=-1)
+    members = np.argsort(cluster, kind="stable")
+    first = np.concatenate([[0], np.cumsum(np.bincount(cluster, minlength=count))])
+    corners = 2**D
+    pair = np.column_stack([np.repeat(cluster[soft], corners), cells.corners[of].reshape(-1)])
+    owner, corner = np.unique(pair, axis=0).T
+    return Table(
+        surface, cells, numbers, keys, first, members, body[members[first[:-1]]],
+        np.ascontiguousarray(owner), np.ascontiguousarray(corner),
+    )  # fmt: skip
+
+
+def _bodies(scene: Scene) -> list[LatticeBody]:
+    found = Lattice(scene.case).bodies
+    assert all(isinstance(body, LatticeBody) for body in found)
+    return found  # type: ignore[return-value]
+
+
+def _rigid_bodies(scene: Scene) -> list[LatticeBody]:
+    """Rigid bodies on lattices of their own, as fine as the particles' boxes."""
+    found, frame = [], scene.domain.frame
+    size = np.array(frame.cell) / scene.case.method.particles_per_cell
+    extent = np.array(frame.cells) * frame.cell
+    for entry in scene.interaction.rigid_bodies.entries:
+        low, high = (np.array(end, float) for end in entry.region.bounds())
+        origin = np.array(frame.origin)
+        low, high = np.maximum(low, origin - extent), np.minimum(high, origin + 2.0 * extent)
+        begin = np.floor((low - origin) / size).astype(np.int64) - 1
+        end = np.ceil((high - origin) / size).astype(np.int64) + 1
+        edges = [origin[d] + np.arange(begin[d], end[d] + 1) * size[d] for d in range(len(size))]
+        centres = [0.5 * (each[1:] + each[:-1]) for each in edges]
+        found.append(LatticeBody(entry.region, edges, centres, cut=True, exact=True))
+    return found
+
+
+def _bits(frame: object, fields: int) -> tuple[int, int, int]:
+    """See `pgimp.kernels.contact.lagrangian.reference_grid.key_bits`."""
+    most = (*frame.vertices, 1, 1)[1:3]  # type: ignore[attr-defined]
+    return (*((int(n) - 1).bit_length() for n in most), (fields - 1).bit_length())  # type: ignore
+
+
+def _cells(
+    rank: RankState, facets: Facets, body: np.ndarray, soft: np.ndarray, fields: tuple[int, ...]
+) -> tuple[SurfaceCells, np.ndarray, np.ndarray]:
+    """Cells that facets are in, the cell of each facet, and all vertices that move these."""
+    scene, frame, slaves = rank.scene, rank.scene.domain.frame, rank.slaves
+    D, cell, origin = scene.dimension, np.array(frame.cell), np.array(frame.origin)
+    corner = np.array([*product((0, 1), repeat=D)])
+    x, normal, body = facets.x[soft, :D], facets.normal[soft, :D], body[soft]
+    own = np.stack(
+        [np.floor((x - origin) / cell - depth * normal).astype(np.int64) for depth in _DEPTHS]
+    )
+    field = np.array(fields or [0] * len(scene.body_names), np.int64)[body]
+    key = Vertices.key(
+        rank,
+        (own[:, :, None] + frame.ghost + corner).reshape(-1, D),
+        np.tile(np.repeat(body, len(corner)), len(_DEPTHS)),
+    )
+    some, at = np.unique(key, return_inverse=True)
+    known = _have_mass(rank, some)
+    if slaves:
+        known |= np.isin(some, slaves.keys)
+    good = known[at.reshape(len(_DEPTHS), len(x), len(corner))].all(axis=2)
+    depth = np.argmax(good, axis=0)
+    number = own[depth, np.arange(len(x))]
+    places, of = np.unique(np.column_stack([field, number]), axis=0, return_inverse=True)
+    of = of.reshape(-1)
+    corners = Vertices.key(
+        rank, (places[:, None, 1:] + frame.ghost + corner).reshape(-1, D),
+        np.repeat(body[np.unique(of, return_index=True)[1]], len(corner)),
+    )  # fmt: skip
+    # What moves each vertex of a cell: itself, or its masters.
+    row = np.repeat(np.arange(len(places)), len(corner))
+    which = np.tile(np.arange(len(corner)), len(places))
+    moved, weight = corners[:, None], np.ones((len(corners), 1))
+    entries = [(row, moved[:, 0], which, weight[:, 0])]
+    if slaves and len(slaves.keys):
+        at = np.minimum(np.searchsorted(slaves.keys, corners), len(slaves.keys) - 1)
+        follows = slaves.keys[at] == corners
+        entries = [tuple(each[~follows] for each in entries[0])]  # type: ignore[list-item]
+        for e in range(slaves.of.shape[1]):
+            entries.append(
+                (
+                    row[follows],
+                    slaves.masters[slaves.of[at[follows], e]],
+                    which[follows],
+                    slaves.weights[at[follows], e],
+                )
+            )
+    row, moved, which, weight = (np.concatenate(each) for each in zip(*entries, strict=True))
+    every = np.unique(np.concatenate([corners, moved]))
+    column = np.searchsorted(every, moved)
+    pairs, entry = np.unique(np.column_stack([row, column]), axis=0, return_inverse=True)
+    weights = np.zeros((len(pairs), len(corner)))
+    np.add.at(weights, (entry.reshape(-1), which), weight)
+    start = np.concatenate([[0], np.cumsum(np.bincount(pairs[:, 0], minlength=len(places)))])
+    low = np.zeros((len(places), 3))
+    low[:, :D] = origin + places[:, 1:] * cell
+    cells = SurfaceCells(
+        low, np.searchsorted(every, corners).reshape(-1, len(corner)), start,
+        np.ascontiguousarray(pairs[:, 1]), weights,
+    )  # fmt: skip
+    return cells, of, np.stack(Vertices.numbers(rank, every), axis=1)
+
+
+def _have_mass(rank: RankState, keys: np.ndarray) -> np.ndarray:
+    """Mask of the vertices with mass on any rank; collective."""
+    at = records_of(rank, np.stack(Vertices.numbers(rank, keys), axis=1))
+    mass = rank.grid.kept.values.reshape(-1, RECORD)[:, KEPT_MASS]
+    found = np.zeros(len(keys), np.uint8)
+    found[at >= 0] = mass[at[at >= 0]] > 0.0
+    return united(rank.comm, found).astype(bool)
+
+
+def records_of(rank: RankState, numbers: np.ndarray) -> np.ndarray:
+    """Numbers of vertices' records, -1 where the rank does not own them."""
+    grid = rank.grid
+    (i, j, k), field = (numbers[:, :3] - grid.window.lower).T, numbers[:, 3]
+    there = (i >= 0) & (i < grid.owned)
+    for each, most in zip((j, k), grid.window.extent[1:], strict=True):
+        there &= (each >= 0) & (each < most)
+    stride = [s // RECORD for s in grid.window.stride]
+    size = grid.window.extent[1] * grid.window.extent[2]
+    return np.where(there, i * stride[0] + field * size + j * stride[1] + k * stride[2], -1)
+
+
+def _beside(
+    x: np.ndarray, body: np.ndarray, radius: float, D: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Neighbours of each facet, see `Surface`."""
+    start = np.zeros(len(x) + 1, np.int64)
+    key_of, strides = bins_of(x, radius, D)
+    order = np.argsort(key_of, kind="stable")
+    call = Bound()
+    beside, found = grown(
+        16 * len(x) + 16,
+        lambda size: np.empty(size, np.int64),
+        lambda room: call(
+            find_beside, x, body, key_of, (key_of[order], order), strides, radius, start, room
+        ),
+    )
+    return start, beside[:found]
+
+
+def bins_of(x: np.ndarray, side: float, D: int) -> tuple[np.ndarray, np.ndarray]:
+    """Keys of the bins that points, (n, 3), are in, and the strides of keys by direction."""
+    bins = np.floor(x / side).astype(np.int64)
+    bins -= bins.min(axis=0, initial=1 << 60) - 1
+    extent = bins.max(axis=0, initial=0) + 2
+    strides = np.array([extent[1] * extent[2], extent[2], 1])
+    key_of = bins @ strides
+    strides[D:2] = 0  # neighbours along the last one have neighbouring keys
+    return key_of, strides
