@@ -60,13 +60,14 @@ def measure_masses(problems, kept):
     """Measure lumped and averaged mass in the initial configuration, and write their table."""
     methods = [m for m in METHODS if m.initial and (m.shape, m.affine) == ("gimp", False)]
     methods = [m for m in methods if m.per_cell == 2]
-    kept["masses"] = []
+    records = []
     for problem in problems:
-        kept["masses"] += ladder(problem, methods, problem.sizes)
-        print(f"pareto: {problem.name}", flush=True)
-    kept.save()
+        if (name := f"masses of {problem.name}") not in kept:
+            kept.add(name, ladder(problem, methods, problem.sizes))
+            print(f"pareto: {problem.name}", flush=True)
+        records += kept[name]
     note = f"Measured on one core of {origin()}."
-    put({"pareto-masses": f"{masses(kept['masses'], problems)}\n{note}\n"})
+    put({"pareto-masses": f"{masses(records, problems)}\n{note}\n"})
 
 
 def main():
@@ -77,7 +78,8 @@ def main():
     options = options_of("pareto", redraw="tables from what is there", only=only, masses=words)
     kept = Kept(out("pareto") / "pareto.json")
     if options.masses:
-        measure_masses([p for p in PROBLEMS if p.initial], kept)
+        some = [known[name] for name in options.only or known if known[name].initial]
+        measure_masses(some, kept)
         return
     if not options.redraw:
         measure([known[name] for name in options.only or known], kept)

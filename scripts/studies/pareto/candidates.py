@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 
 class Method(NamedTuple):
-    """A method of pgimp: shape, transfer, configuration, particles a cell and direction, step, mass.
+    """A method of pgimp: shape, transfer, configuration, particles a cell, step, mass.
 
     The Courant number ``auto`` leaves the step to pgimp.
     """
