@@ -1,14 +1,18 @@
 """Averaged mass: frequencies against exact ones, what lasts, and what it is refused with."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scenes import BAR, box, energy, scene, start
 from tiers import wide
 
 from pgimp.case.schema import Case
+from pgimp.kernels.contact.lagrangian.reference_grid import Changes
 from pgimp.kernels.data.motion import KEPT_MASS, KEPT_VELOCITY
 from pgimp.solver.contact.base import NoContact
 from pgimp.solver.lagrangian import averaged_mass, mass_rows
+from pgimp.solver.lagrangian.averaged_mass import AveragedMass
 
 pytestmark = pytest.mark.slow(60)
 
@@ -222,6 +226,29 @@ def test_a_bar_stands_on_another():
     assert line["strain-energy"] == pytest.approx(strained, rel=0.03)
     assert line["strain-energy"] == pytest.approx(first["strain-energy"], rel=1e-6)
     assert line["kinetic-energy"] < 1e-8 * strained
+
+
+def test_forces_of_contact_are_forecast_without_a_lag():
+    """Of a ramp the next value, to rounding; of what has gone nothing; the same from a file."""
+    part, slope = AveragedMass(None, np.array([0.4])), np.array([2.0, -1.0, 0.5])
+
+    def book(keys, value, one=part):
+        changes = Changes(np.array(keys), 0.1 * np.outer(np.ones(len(keys)), value), None)
+        rank = SimpleNamespace(contact=SimpleNamespace(changes=changes))
+        one.book(rank, SimpleNamespace(t=SimpleNamespace(dt=0.1)))
+
+    for n in range(1, 60):
+        book([9, 4] if n % 2 else [4, 9], n * slope)
+    keys, _, forecast = part._contact
+    assert keys.tolist() == [4, 9]
+    np.testing.assert_allclose(forecast, 60 * np.array([slope, slope]), rtol=1e-12)
+    other = AveragedMass(None, np.array([0.4]))
+    other.restore(part.state)
+    book([9, 5], slope)
+    book([9, 5], slope, other)
+    assert part.state.tobytes() == other.state.tobytes()
+    assert part._contact.keys.tolist() == [5, 9]
+    np.testing.assert_allclose(part._contact.forecast[0], slope, rtol=1e-15)
 
 
 def test_rest_takes_the_energy_of_this_mass():
