@@ -101,8 +101,11 @@ def _parted(elements: Elements, size: Reals) -> Elements:
     along = np.einsum("njd,nd->nj", elements.moment, normal)
     askew = elements.moment - along[:, :, None] * normal[:, None]
     reach = 2.0 * elements.half.max(axis=1)
-    bent = np.sqrt((askew * askew).sum(axis=(1, 2))) > _BENT * area * reach
-    plain, middle = np.flatnonzero(~bent & (area > 0.0)), elements.centroid
+    D = len(size)
+    length = np.minimum(reach, area ** (1.0 / (D - 1)) if D > 1 else reach)
+    bent = np.sqrt((askew * askew).sum(axis=(1, 2))) > _BENT * area * length
+    large = area > _BENT * reach ** (D - 1)
+    plain, middle = np.flatnonzero(~bent & large), elements.centroid
     rows, areas, moments = [], [], []
     keep = np.ones(len(area), bool)
     for one in np.flatnonzero(bent & (area > 0.0)).tolist():
@@ -111,7 +114,7 @@ def _parted(elements: Elements, size: Reals) -> Elements:
         square = ((middle[near] - middle[one]) ** 2).sum(axis=1) / reach[one] ** 2
         normals: list[Reals] = []
         for other in near[np.argsort(np.round(square, 6), kind="stable")]:
-            if len(normals) < len(size) and all(normal[other] @ n < _FLAT for n in normals):
+            if len(normals) < D and all(normal[other] @ n < _FLAT for n in normals):
                 normals.append(normal[other])
         if len(normals) < 2:
             continue

@@ -18,6 +18,9 @@ MEETS, OPPOSED, ASKEW = 0.3, -0.5, 4.0
 #: Cells by which facets of one body are apart in the initial state if they may meet.
 APART = 2.0
 
+#: Greatest cosine between normals of facets with a gap: others are beside an edge.
+FACES = -0.1
+
 #: Weight of the distance along a facet, so that one of several in a plane is next to a point.
 _ALONG = 1e-6
 
@@ -195,6 +198,11 @@ def find_gaps(frame, rigid_bodies, walls, surface, cells, u, F, every):
             near.gap = (at - surface.now[s, axis]) * side
             for d in range(3):
                 near.normal[d] = -1.0 * side if d == axis else 0.0
-            continue
-        near.other = next_facet(D, surface, s, frame.cell[0], near.other)
-        _find_gap(frame, rigid_bodies, surface, cells, u, F, near)
+        else:
+            near.other = next_facet(D, surface, s, frame.cell[0], near.other)
+            _find_gap(frame, rigid_bodies, surface, cells, u, F, near)
+        same = 0.0
+        for d in range(3):
+            same += surface.turned[s, d] * near.normal[d]
+        if same > FACES:
+            near.gap = inf
