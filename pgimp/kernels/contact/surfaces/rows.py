@@ -31,8 +31,8 @@ FADES = 0.005
 _NEWTON, _EXACT = 40, 1e-12
 
 #: Power of the cosine between a facet and what it meets in the area A, so that edges between two
-#: faces of a body do not count there; least A, in areas of the facet with the least gap.
-_FACING, _LEAST = 8, 0.1
+#: faces of a body do not count there; least A, in areas of the patch.
+_FACING, _LEAST = 8, 0.03
 
 #: Cells of gap above which a patch has no pair.
 NEAR = 0.25
@@ -55,13 +55,14 @@ def _faces(surface, near):
 @inner_kernel
 def _level(surface, every, first, last, least, width):
     """Level of a patch above the least gap, by Newton's method from above."""
-    near, whole = inf, 0.0
+    near, whole, every_area = inf, 0.0, 0.0
     for n in range(first, last):
         area = surface.area[every[n].facet]
+        every_area += area
         whole += area * _faces(surface, every[n])
         if every[n].gap == least:
             near = min(near, area)
-    whole = max(whole, _LEAST * near)
+    whole = max(whole, _LEAST * every_area)
     s = least + width * sqrt(whole / near)
     for _ in range(_NEWTON):
         value, slope = -whole * width * width, 0.0
