@@ -29,10 +29,11 @@ _TWO = (0.5 - np.sqrt(1.0 / 12.0), 0.5 + np.sqrt(1.0 / 12.0)), (0.5, 0.5)
 #: Likewise with products of inertia, whose integrands have two degrees more.
 _THREE = (0.5 - np.sqrt(0.15), 0.5, 0.5 + np.sqrt(0.15)), (5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0)
 
-#: Directions of the coordinates that each integral multiplies, by dimensions.
+#: Directions of the coordinates that each integral multiplies, by dimensions. The last two in 2D
+#: are for rings.
 MONOMIALS: tuple[tuple[tuple[int, ...], ...], ...] = (
     ((), (0,)),
-    ((), (0,), (1,), (0, 1)),
+    ((), (0,), (1,), (0, 1), (0, 0), (0, 0, 1)),
     ((), (0,), (1,), (2,), (1, 2), (0, 2), (0, 1), (0, 1, 2)),
 )
 
@@ -54,24 +55,22 @@ class TangledError(Exception):
         )
 
 
-def measure(
-    region: Region, low: Points, high: Points, products: bool = False
-) -> tuple[Reals, Reals]:
+def measure(region: Region, low: Points, high: Points, products: int = 0) -> tuple[Reals, Reals]:
     """Measure the parts of boxes that lie in a region.
 
     Parameters
     ----------
     low, high : ndarray of float64, shape (n, D)
         Corners of the boxes.
-    products : bool
-        Whether to measure products of inertia, too.
+    products : int
+        Number of products of inertia to measure, too.
 
     Returns
     -------
     volume : ndarray of float64, shape (n,)
-    moment : ndarray of float64, shape (n, D or 2^D - 1)
+    moment : ndarray of float64, shape (n, D + products)
         Integral over the part of the position relative to the box's centre. With `products` also
-        those of its components' products: xy in 2D; yz, xz, xy, xyz in 3D.
+        those of its components' products: xy, then xx, xxy in 2D; yz, xz, xy, xyz in 3D.
 
     Raises
     ------
@@ -79,7 +78,7 @@ def measure(
         If the region has too many surfaces in one of the boxes.
     """
     n, D = low.shape
-    width = 2**D if products else 1 + D
+    width = 1 + D + products
     total = np.zeros((n, width))
     for begin in range(0, n, _BATCH):
         part = slice(begin, begin + _BATCH)
@@ -156,8 +155,11 @@ def _piece(region: Region, low: Points, high: Points, centre: Points, width: int
         volume *= size[whole, d]
     for column, axes in enumerate(MONOMIALS[D - 1][:width]):
         total[whole, column] = volume
-        for d in axes:
-            total[whole, column] *= middle[whole, d] - centre[whole, d]
+        for d in sorted({*axes}):
+            arm = middle[whole, d] - centre[whole, d]
+            total[whole, column] *= (
+                arm if axes.count(d) == 1 else arm * arm + size[whole, d] ** 2 / 12.0
+            )
     rest = np.flatnonzero(~uniform)
     if len(rest) == 0:
         return total
@@ -236,10 +238,11 @@ def _integrate(
         at[:, axis] = left + nodes * width
         parts = _integrate(region, at, low[rows], high[rows], centre[rows], inner, columns)
         parts *= (weights * width)[:, None]
-        every = MONOMIALS[D - 1][:columns]
-        for k, others in enumerate(every):
-            if (more := tuple(sorted((*others, axis)))) in every and axis not in others:
-                parts[:, every.index(more)] += parts[:, k] * (at[:, axis] - centre[rows, axis])
+        every, arm = MONOMIALS[D - 1][:columns], at[:, axis] - centre[rows, axis]
+        for k, monomial in enumerate(every):
+            if many := monomial.count(axis):
+                others = tuple(d for d in monomial if d != axis)
+                parts[:, k] += parts[:, every.index(others)] * (arm if many == 1 else arm * arm)
         _add(total, rows, parts)
     else:
         at = points[rows]
@@ -248,6 +251,9 @@ def _integrate(
         rows, width, at = rows[inside], width[inside], at[inside]
         parts = np.zeros((len(rows), total.shape[1]))
         parts[:, 0] = width
-        parts[:, 1 + axis] = width * (at[:, axis] - centre[rows, axis])
+        arm = at[:, axis] - centre[rows, axis]
+        parts[:, 1 + axis] = width * arm
+        if (axis, axis) in (every := MONOMIALS[D - 1][:columns]):
+            parts[:, every.index((axis, axis))] = width * (arm * arm + width * width / 12.0)
         _add(total, rows, parts)
     return total

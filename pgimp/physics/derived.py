@@ -200,6 +200,15 @@ def kinetic_energy(source: Source) -> Array:
     return 0.5 * (source.take("m") / volume(source)) * total
 
 
+#: Field with values of its own, found from all particles: `solver/state/recovered_stress.py`.
+RECOVERED = "recovered-stress"
+
+
+def _six_columns(sigma: Array) -> Array:
+    """Return stresses (n, 3 to 6) as (n, 6): what one particle alone says."""
+    return np.stack(_six(sigma), axis=1)
+
+
 DERIVED = {
     "principal-stress": Field(
         _of_stress("principal-stress"),
@@ -235,6 +244,14 @@ DERIVED = {
     "triaxiality": Field(
         _of_stress("triaxiality"),
         "mean stress over von Mises stress, tension positive; 0 without shear [1]",
+    ),
+    RECOVERED: Field(
+        lambda source: _six_columns(source.take("sigma")),
+        "stress at the particle's place, of a probe at its own, by a linear fit to the particles "
+        "of the body within a cell: of second order, at surfaces too; of bodies in the initial "
+        "configuration [stress]",
+        components=TENSOR,
+        kind="Matrix",
     ),
     "volume-ratio": Field(volume_ratio, "J, the determinant of F [1]"),
     "principal-stretch": Field(

@@ -11,8 +11,10 @@ from pgimp.io.frames.particlefile import ParticleFile
 from pgimp.io.frames.series import Series
 from pgimp.io.results.reader import Frame
 from pgimp.io.rundir.ownfiles import FRAME
+from pgimp.physics.derived import RECOVERED
 from pgimp.physics.fields import ALWAYS
 from pgimp.solver.lagrangian.pieces import source_at
+from pgimp.solver.state.recovered_stress import recovered_at
 
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
@@ -66,7 +68,11 @@ class Frames(Series):
         )  # fmt: skip
         time, step = float(sim.time), int(sim.step)
         what = f"write the frame {path} at step {step}"
-        file = self._file.write(path, partial(source_at, sim.rank), rows, (time, step), what)
+        instead = {}
+        if RECOVERED in self.fields:
+            instead[RECOVERED] = recovered_at(sim.rank, storage, rows.storage)
+        at = partial(source_at, sim.rank)
+        file = self._file.write(path, at, rows, (time, step), what, instead)
         self._wait_for(file, self._file.mesh(path, (time, step), rows.count))
 
     def _listed(self, path: Path) -> Mesh:

@@ -202,7 +202,7 @@ class Probes:
             if body is None:
                 target = Place(at, entry.fields)
             elif name in records:
-                target = Point(records[name].number, records[name].origin, entry.fields)
+                target = Point(records[name].number, records[name].origin, entry.fields, at)
             else:
                 number = self._sim.scene.body_names.index(body)
                 target = nearest(self._sim, number, at, entry.fields)

@@ -78,7 +78,9 @@ class Scene:
             axial=case.axisymmetric,
             plate=case.geometry == "plane-stress",
             needed=needed_by(case),
-            products=PartParameters.products(D) if settings.exact_surfaces.any() else 0,
+            products=PartParameters.products(D, case.axisymmetric)
+            if settings.exact_surfaces.any()
+            else 0,
         )
         self.created = self.carried._replace(affine=self.carried.affine or settings.by_vertex)
         start, shape = FRAMES[case.geometry][1](*domain.frame), case.method

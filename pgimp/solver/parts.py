@@ -13,6 +13,7 @@ from pgimp.solver.damping.damping import damping_of
 from pgimp.solver.flows import flows_of
 from pgimp.solver.history.crossings import crossings_of
 from pgimp.solver.lagrangian.averaged_mass import averaged_mass_of
+from pgimp.solver.lagrangian.mean_dilatation import mean_dilatation_of
 from pgimp.solver.lagrangian.slaves import slaves_of
 from pgimp.solver.loads.grips import grips_of
 from pgimp.solver.loads.surface_kinematics import surface_kinematics_of
@@ -26,6 +27,7 @@ PARTS: dict[str, Callable[[Scene, Communicator, Any], StepPart | None]] = {
     "surface_kinematics": surface_kinematics_of,
     "grips": grips_of,
     "slaves": slaves_of,
+    "mean_dilatation": mean_dilatation_of,
     "absorbing": absorbing_of,
     "damping": damping_of,
     "averaged_mass": averaged_mass_of,

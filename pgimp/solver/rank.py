@@ -100,6 +100,7 @@ class Rank:
     grips: Any
     absorbing: Any
     slaves: Any
+    mean_dilatation: Any
     damping: Any
     averaged_mass: Any
     crossings: Any
@@ -176,6 +177,10 @@ class Rank:
         if self._lattice is None:
             self._lattice = find_cells(self)
         return self._lattice
+
+    def outdate_cells(self) -> None:
+        """Note that cells of lattice particles have to be found anew."""
+        self._lattice = None
 
     def by_cells_alone(self) -> bool:
         """Return whether all particles are in cells and have no state of their own."""

@@ -43,6 +43,7 @@ class RankState(Protocol):
     averaged_mass: Any
     absorbing: Any
     slaves: Any
+    mean_dilatation: Any
     inflow: Any
     sinks: Any
     grips: Any

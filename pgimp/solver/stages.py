@@ -157,7 +157,7 @@ def _carried(rank: Rank, old: Scene, new: Scene) -> Particles:
         kept, width = [names[0].index(name) for name in names[1]], surface_width(new.dimension)
         parts = p.surface.reshape(p.capacity, -1, width)[:, kept]
         arrays["surface"] = np.ascontiguousarray(parts.reshape(p.capacity, len(kept) * width))
-        if wide := new.carried.products:
+        if wide := new.carried.bearing:
             parts = p.bearing.reshape(p.capacity, -1, wide)[:, kept]
             arrays["bearing"] = np.ascontiguousarray(parts.reshape(p.capacity, len(kept) * wide))
     if old.case.constraints or new.case.constraints:

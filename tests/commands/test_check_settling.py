@@ -6,13 +6,15 @@ from pathlib import Path
 import pytest
 from checked import PLATE, facts
 from mentioned import mentions
-from scenes import box, scene
+from scenes import BAR, box, scene
 from studies.quiet import settle
 
 import pgimp
 from pgimp.case.reader import read_case
 from pgimp.case.schema import Case
+from pgimp.mpi.comm import Serial
 from pgimp.running import forecast
+from pgimp.solver.simulation import Simulation
 from pgimp.utilities.check.settling import settling_steps
 
 PAGE = Path(__file__).parents[2] / "docs" / "case-file.md"
@@ -44,6 +46,23 @@ def test_steps_to_rest_are_within_their_estimate(name, kind, configuration, cour
     assert low < steps < high
     # A slender body may bend, which takes longest, or be pressed along, like the strut.
     assert low > 0.03 * steps and high < 40.0 * steps
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-7])
+def test_bodies_that_touch_rest_together(tolerance):
+    """A tower of six is as slow as one body of its height; and what is asked for takes longer."""
+    bodies = {f"b{n}": box([4.0 * n], [4.0 * n + 4.0]) | {"configuration": "initial"}
+              for n in range(6)}  # fmt: skip
+    case = Case.model_validate(
+        scene(1, bodies, cells=[28], step={"courant": 0.3}, gravity=[-1e-4],
+              materials={"soft": BAR}, boundaries={"x-min": "fixed"},
+              contact=[{"bodies": "all"}], start={"settle": {"tolerance": tolerance}})
+    )  # fmt: skip
+    sim = Simulation(case, Serial())
+    while sim.settling:
+        sim.advance()
+    low, high = settling_steps(case, facts(case))
+    assert low < sim.step < high < 6.0 * sim.step
 
 
 def test_no_more_than_are_allowed_and_none_without():

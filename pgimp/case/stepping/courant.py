@@ -62,14 +62,14 @@ _LESS = {
 def vertex_limit(case: Any) -> float | None:
     """Largest stable Courant number of a `Case` with all bodies in the initial configuration.
 
-    Else, with mean dilatation, and for points, None.
+    Else, with mean dilatation but for bodies exact to their surface, and for points, None.
     """
     method = case.method
     if any(body.configuration != "initial" for body in case.bodies.values()):
         return None
-    if method.volumetric == "mean" and case.dimensions > 1:
-        return None
     exact = [body.surface == "exact" for body in case.bodies.values()]
+    if method.volumetric == "mean" and case.dimensions > 1 and not any(exact):
+        return None
     if exact and all(exact):
         return EXACT_LIMIT
     known = method.limits.get("vertices") or VERTEX_LIMITS.get(method.name, {})

@@ -38,6 +38,12 @@ class Carried(NamedTuple):
     needed: frozenset[str] = frozenset()
 
     @property
+    def bearing(self) -> int:
+        """Number of products of inertia of a part of a loaded surface, see `Particles.bearing`."""
+        products = 1 if self.axial and self.products else self.products
+        return products * (1 + self.dimensions)
+
+    @property
     def undeformed(self) -> tuple[float, ...]:
         """F of an undeformed particle."""
         return identity(self.dimensions, self.axial or self.plate)

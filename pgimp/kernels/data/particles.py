@@ -154,6 +154,15 @@ class Particles(NamedTuple):
             continued="required",
         ),
     ]
+    mean_stress: Annotated[
+        FloatArray,
+        Column(
+            "mean of the normal stresses over the cells with its dilatation, of bodies exact to "
+            "their surface",
+            "stress",
+            lambda c: int(c.cell_F and c.products > 0),
+        ),
+    ]
     own: Annotated[
         FloatArray,
         Column(
@@ -213,7 +222,7 @@ class Particles(NamedTuple):
         FloatArray,
         Column(
             "means over its part of a cell of products of the distances from the part's centroid, "
-            "xy in 2D, yz xz xy xyz in 3D, at the start",
+            "xy in 2D, yz xz xy xyz in 3D, at the start; of rings see `VolumeFractions`",
             "length^2, length^3",
             lambda c: c.products,
         ),
@@ -221,9 +230,11 @@ class Particles(NamedTuple):
     bearing: Annotated[
         FloatArray,
         Column(
-            "likewise of its part of each loaded surface, about that part's centroid",
-            "length^2, length^3",
-            lambda c: c.surfaces_loaded * c.products,
+            "likewise of its part of each loaded surface, about that part's centroid; then along "
+            "each direction, integrals of the same products times the normal, less the means times "
+            "the area vector",
+            "length^2 to length^5",
+            lambda c: c.surfaces_loaded * c.bearing,
         ),
     ]
 

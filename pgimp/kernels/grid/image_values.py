@@ -138,7 +138,7 @@ def copy_accelerations(frame, field, images, A, reach):
     frame, field, images
         As in `fold_values`, after it or after `mirror.fold`.
     A, reach
-        Accelerations, see `pgimp.kernels.lagrangian.averaged_mass.find_accelerations`.
+        Accelerations, see `pgimp.kernels.lagrangian.averaged_mass.average_forces`.
     """
     window, G = field.window, field.G
     half = window.stride[0] // 2

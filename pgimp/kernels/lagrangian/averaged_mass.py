@@ -57,16 +57,21 @@ class MassRows(NamedTuple):
     scale: tuple[float, ...]
     #: (planes + 1,) int64: Beginning of each plane's runs of vertices amid whole cells.
     run_start: IntArray
-    span: IntArray  #: (planes, 2) int64: Range of accelerations that a plane's runs need.
+    #: (planes, 2) int64: Range of accelerations that a plane's runs need, in 3D in their rows.
+    span: IntArray
     #: (runs, 2) int64: Offsets of the first acceleration and of the end of a run along the last
     #: direction.
     run: IntArray
     mass: FloatArray  #: (runs,) float64: alpha times the vertices' mass.
+    reach: int  #: Planes to the farthest that rows need.
 
 
 @kernel
-def find_accelerations(frame, field, faces, forcing, scratch, A, reach, planes):
-    """Find the accelerations of vertices with their lumped mass, after all conditions.
+def average_forces(frame, field, faces, forcing, scratch, A, reach, rows, found, planes, buffer):
+    """Take alpha (C - L) a from the forces at a rank's vertices.
+
+    First come accelerations with the lumped mass, after all conditions, of the planes `found`; each
+    just before the forces of the first of `planes` that needs it.
 
     Parameters
     ----------
@@ -75,45 +80,64 @@ def find_accelerations(frame, field, faces, forcing, scratch, A, reach, planes):
     scratch : (faces, 3) float64
         For impulses of faces, which are not booked.
     A : ((planes + 2 reach) * plane / 2,) float64
-        Set for the rank's planes, of which the first is number `reach`; see `NUMBERS`.
+        Accelerations, of which the rank's first plane is number `reach`; see `NUMBERS`.
     reach : int
         Planes below and above those of the rank.
-    planes : (int, int)
-        The planes: from the first one up to the second.
+    rows
+        MassRows; none of them is needed without `planes`.
+    found, planes : (int, int)
+        Planes whose accelerations are set, and whose forces are averaged: from the first one up to
+        the second.
+    buffer : (plane / 2,) float64
+        For values in between.
     """
+    ahead = found[0]
+    for i in range(planes[0], planes[1]):
+        until = min(i + rows.reach + 1, found[1])
+        while ahead < until:
+            _find_plane(frame, field, faces, forcing, scratch, A, reach, ahead)
+            ahead += 1
+        _average_plane(field, A, reach, rows, i, buffer)
+    while ahead < found[1]:
+        _find_plane(frame, field, faces, forcing, scratch, A, reach, ahead)
+        ahead += 1
+
+
+@inner_kernel
+def _find_plane(frame, field, faces, forcing, scratch, A, reach, i):
+    """Find the accelerations of the vertices of plane `i`, see `average_forces`."""
     G, window, plane = field.G, field.window, field.window.stride[0]
     half, size, row = plane // 2, field_size(window), window.stride[1]
-    g, zero = pack(0.0, forcing.gravity[0], forcing.gravity[1], forcing.gravity[2]), vector(0.0)
-    for i in range(planes[0], planes[1]):
-        own = (i + reach) * half
-        if field.active[i] == 0:
-            A[own : own + half] = 0.0
+    g = pack(0.0, forcing.gravity[0], forcing.gravity[1], forcing.gravity[2])
+    own = (i + reach) * half
+    if field.active[i] == 0:
+        A[own : own + half] = 0.0
+        return
+    for f in range(field_count(window)):
+        if not keeps(field.motion, f):
             continue
-        for f in range(field_count(window)):
-            if not keeps(field.motion, f):
-                continue
-            first, left = f * size, used_rows(field, i, f)
-            while left:
-                begin, end, left = next_rows(field, left)
-                for at in range(first + begin * row, first + end * row, RECORD):
-                    r = i * plane + at
-                    m, a = G[r + MASS], zero
-                    if m > forcing.mass_cutoff:
-                        inverse = 1.0 / m
-                        a = pack(0.0, inverse, inverse, inverse) * load(G, r + _SECOND) + g
-                    store(A, own + at // 2, a)
-            holding = Holding(faces, frame, forcing, scratch, 0.0)
-            for n in range(face_count(faces)):
-                j0, j1, k0, k1 = box_of(faces, n, frame, window, i)
-                for j in range(j0, j1):
-                    for k in range(k0, k1):
+        first, left = f * size, used_rows(field, i, f)
+        while left:
+            begin, end, left = next_rows(field, left)
+            for at in range(first + begin * row, first + end * row, RECORD):
+                r = i * plane + at
+                m, a = G[r + MASS], vector(0.0)
+                if m > forcing.mass_cutoff:
+                    inverse = 1.0 / m
+                    a = pack(0.0, inverse, inverse, inverse) * load(G, r + _SECOND) + g
+                store(A, own + at // 2, a)
+        holding = Holding(faces, frame, forcing, scratch, 0.0)
+        for n in range(face_count(faces)):
+            j0, j1, k0, k1 = box_of(faces, n, frame, window, i)
+            for j in range(j0, j1):
+                for k in range(k0, k1):
+                    _hold(field, holding, f, (i, j, k), own, A)
+        if len(forcing.marked):
+            for j in range(window.extent[1]):
+                for k in range(window.extent[2]):
+                    r = i * plane + first + j * row + k * RECORD
+                    if is_marked(forcing.marked, r):
                         _hold(field, holding, f, (i, j, k), own, A)
-            if len(forcing.marked):
-                for j in range(window.extent[1]):
-                    for k in range(window.extent[2]):
-                        r = i * plane + first + j * row + k * RECORD
-                        if is_marked(forcing.marked, r):
-                            _hold(field, holding, f, (i, j, k), own, A)
 
 
 @inner_kernel
@@ -142,78 +166,101 @@ def _hold(field, holding, f, vertex, own, A):
     store(A, own + at // 2, pack(0.0, b[0], b[1], b[2]))
 
 
-@kernel
-def average_forces(field, A, reach, rows, planes, buffer):
-    """Take alpha (C - L) a from the forces at a rank's vertices.
-
-    Parameters
-    ----------
-    field : Field
-        With the forces, before the momentum update.
-    A, reach
-        See `find_accelerations`; also of the planes below and above.
-    rows
-        MassRows.
-    planes : (int, int)
-        The planes: from the first one up to the second.
-    buffer : (plane / 2,) float64
-        For values in between.
-    """
+@inner_kernel
+def _average_plane(field, A, reach, rows, i, buffer):
+    """See `average_forces`, for plane `i`."""
     G, plane = field.G, field.window.stride[0]
-    for i in range(planes[0], planes[1]):
-        if field.active[i] == 0:
-            continue
-        own, to = (i + reach) * (plane // 2), i * plane + _SECOND
-        if rows.run_start[i] < rows.run_start[i + 1]:
-            _average_runs(field, A, rows, i, own, buffer)
-        for n in range(rows.start[i], rows.start[i + 1]):
-            at = own + rows.vertex[n] // 2
-            a, even, odd = load(A, at), vector(0.0), vector(0.0)
-            e, end = rows.first[rows.pattern[n]], rows.first[rows.pattern[n] + 1]
-            while e + 1 < end:
-                even = even + rows.value[e] * (load(A, at + rows.column[e]) - a)
-                odd = odd + rows.value[e + 1] * (load(A, at + rows.column[e + 1]) - a)
-                e += 2
-            if e < end:
-                even = even + rows.value[e] * (load(A, at + rows.column[e]) - a)
-            r = to + rows.vertex[n]
-            store(G, r, load(G, r) - (even + odd))
+    if field.active[i] == 0:
+        return
+    own, to = (i + reach) * (plane // 2), i * plane + _SECOND
+    if rows.run_start[i] < rows.run_start[i + 1]:
+        _average_runs(field, A, rows, i, own, buffer)
+    for n in range(rows.start[i], rows.start[i + 1]):
+        at = own + rows.vertex[n] // 2
+        a, even, odd = load(A, at), vector(0.0), vector(0.0)
+        begin, end = rows.first[rows.pattern[n]], rows.first[rows.pattern[n] + 1]
+        column, value = rows.column[begin:end], rows.value[begin:end]
+        pairs = (end - begin) // 2
+        for e in range(pairs):
+            even = even + value[2 * e] * (load(A, at + column[2 * e]) - a)
+            odd = odd + value[2 * e + 1] * (load(A, at + column[2 * e + 1]) - a)
+        if begin + 2 * pairs < end:
+            even = even + value[2 * pairs] * (load(A, at + column[2 * pairs]) - a)
+        r = to + rows.vertex[n]
+        store(G, r, load(G, r) - (even + odd))
 
 
 @inlined
 def _average(scale, before, now, after):
     """A value with a part of its second difference; exactly itself if all three are equal."""
-    return now + scale * ((before - now) + (after - now))
+    return now + scale * ((before + after) - 2.0 * now)
 
 
 @inlined
-def _along_row(rows, buffer, row, at):
-    """Averages along all directions but the last one, from those across planes."""
-    if len(rows.scale) < 3:
-        return load(buffer, at)
-    return _average(rows.scale[1], load(buffer, at - row), load(buffer, at), load(buffer, at + row))
+def _average_runs(field, A, rows, i, own, buffer):
+    """As `average_forces`, for the vertices of plane `i` amid whole cells."""
+    if len(rows.scale) == 2:
+        return _average_lines(field, A, rows, i, own, buffer)
+    return _average_areas(field, A, rows, i, own, buffer)
 
 
 @inner_kernel
-def _average_runs(field, A, rows, i, own, buffer):
-    """As `average_forces`, for the vertices of plane `i` amid whole cells."""
-    G, plane, row = field.G, field.window.stride[0], field.window.stride[1] // 2
-    half, scale, low = plane // 2, rows.scale, rows.span[i, 0]
-    to = i * plane + _SECOND
-    for at in range(low, rows.span[i, 1], NUMBERS):
-        r = own + at
-        mean = _average(scale[0], load(A, r - half), load(A, r), load(A, r + half))
-        store(buffer, at - low, mean)
+def _average_lines(field, A, rows, i, own, buffer):
+    """See `_average_runs`, in 2D."""
+    G, plane = field.G, field.window.stride[0]
+    half, to = plane // 2, i * plane + _SECOND
     for n in range(rows.run_start[i], rows.run_start[i + 1]):
         begin, end, mass = rows.run[n, 0], rows.run[n, 1], rows.mass[n]
-        before = _along_row(rows, buffer, row, begin - low - NUMBERS)
-        now = _along_row(rows, buffer, row, begin - low)
+        before = _across(A, own + begin - NUMBERS, half, rows.scale[0])
+        now = _across(A, own + begin, half, rows.scale[0])
         for at in range(begin, end, NUMBERS):
-            after = _along_row(rows, buffer, row, at - low + NUMBERS)
-            change = _average(scale[len(scale) - 1], before, now, after) - load(A, own + at)
+            after = _across(A, own + at + NUMBERS, half, rows.scale[0])
+            change = _average(rows.scale[1], before, now, after) - load(A, own + at)
             r = to + 2 * at
             store(G, r, load(G, r) - mass * change)
             before, now = now, after
+
+
+@inlined
+def _across(A, at, step, scale):
+    """Average of vectors `step` apart, with the one at `at` in the middle."""
+    return _average(scale, load(A, at - step), load(A, at), load(A, at + step))
+
+
+@inner_kernel
+def _average_areas(field, A, rows, i, own, buffer):
+    """See `_average_runs`, in 3D.
+
+    The buffer has averages across planes of three rows: of the runs' row and of those beside it.
+    """
+    G, plane, row = field.G, field.window.stride[0], field.window.stride[1] // 2
+    half, scale, to = plane // 2, rows.scale, i * plane + _SECOND
+    low, high, ahead = rows.span[i, 0], rows.span[i, 1], 0
+    for n in range(rows.run_start[i], rows.run_start[i + 1]):
+        begin, end, mass = rows.run[n, 0], rows.run[n, 1], rows.mass[n]
+        y = begin // row
+        ahead = max(ahead, y - 1)
+        while ahead < y + 2:
+            at = ahead * row
+            for k in range(low, high, NUMBERS):
+                store(buffer, ahead % 3 * row + k, _across(A, own + at + k, half, scale[0]))
+            ahead += 1
+        k, behind = begin - y * row, end - y * row
+        b, c, d = (y - 1) % 3 * row + k, y % 3 * row + k, (y + 1) % 3 * row + k
+        before = _along_y(buffer, b, c, d, -NUMBERS, scale[1])
+        now = _along_y(buffer, b, c, d, 0, scale[1])
+        for at in range(0, behind - k, NUMBERS):
+            after = _along_y(buffer, b, c, d, at + NUMBERS, scale[1])
+            change = _average(scale[2], before, now, after) - load(A, own + begin + at)
+            r = to + 2 * (begin + at)
+            store(G, r, load(G, r) - mass * change)
+            before, now = now, after
+
+
+@inlined
+def _along_y(buffer, before, now, after, k, scale):
+    """Average of vectors of three rows, which begin there, at `k`."""
+    return _average(scale, load(buffer, before + k), load(buffer, now + k), load(buffer, after + k))
 
 
 @kernel

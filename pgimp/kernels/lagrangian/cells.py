@@ -73,6 +73,7 @@ class Cells(NamedTuple):
     fractions: FloatArray
     distances: FloatArray
     per_cell: tuple  #: tuple of D tuples: As long as there are particles along each direction.
+    parts: Any  #: PartCells or (): Those of bodies that are exact to their surface.
     controlled: bool  #: Whether to find the greatest speed.
     rate: FloatArray  #: (1,) float64: Grows to the greatest speed over the cell, see `grid_speed`.
     #: (capacity + 1,) int64: Number of particles at fault, then their slots up to the capacity.
@@ -107,9 +108,8 @@ def add_cells(cells, field, particles, layer, span):
     """
     if not is_record(cells):
         return span
-    D, _, _, _, _, planes, first, second = sizes_of(cells)
-    groups = groups_of(sizes_of(cells))
-    scratch, window = field.scratch, field.window
+    D, _, _, _, _, _, first, second = sizes_of(cells)
+    groups, window = groups_of(sizes_of(cells)), field.window
     strides = window.stride[0], window.stride[first], window.stride[second]
     fastest = join(vector(0.0), vector(0.0))
     f, P, buffers = stack(32), matrices(cells), stress_buffers()
@@ -125,13 +125,25 @@ def add_cells(cells, field, particles, layer, span):
             add_mean_forces(cells, particles, cell + k, total, f)
             at = cells.place[cell + k]
             low, high = min(low, at), max(high, at)
-            for a in range(planes):
-                for i in range(4):
-                    to = at + a * strides[0] + i // 2 * strides[1] + i % 2 * strides[2]
-                    to += _FORCES
-                    store(scratch, to, load(scratch, to) + load(f, 16 * a + 4 * i))
+            add_corners(cells, field.scratch, at, strides, f)
         cell += count
     raise_rate(cells, fastest)
+    return widened(window, D, low, high, span)
+
+
+@inlined
+def add_corners(cells, scratch, at, strides, f):
+    """Add the forces `f` at a cell's corners to the sums, of which those at `at` are the first."""
+    planes = sizes_of(cells).planes
+    for a in range(planes):
+        for i in range(4):
+            to = at + a * strides[0] + i // 2 * strides[1] + i % 2 * strides[2] + _FORCES
+            store(scratch, to, load(scratch, to) + load(f, 16 * a + 4 * i))
+
+
+@inlined
+def widened(window, D, low, high, span):
+    """A span with the vertices of cells from `low` to `high`, which is -1 without any."""
     if high < 0:
         return span
     high += RECORD
@@ -175,7 +187,7 @@ def _find_stresses(cells, field, particles, which, strides, P, fastest):
             low, high = load(cells.volumes, slot), vector(0.0)
             if 2 * pair + 1 < every:
                 high = load(cells.volumes, slot + 4)
-            stress, fastest = _elastic_stresses(
+            stress, fastest = elastic_stresses(
                 cells, material, slot, join(low, high), of_eight(cells, P, pair), inverse, fastest
             )
             keep_eight(P, pair, stress)
@@ -201,7 +213,7 @@ def _derive_cell(cells, motion, at, strides, buffers, group, F):
 
 
 @inlined
-def _elastic_stresses(cells, material, slot, V, F, inverse, fastest):
+def elastic_stresses(cells, material, slot, V, F, inverse, fastest):
     """-V0 P of eight elastic particles with volumes `V`, from slot `slot` on; greatest speeds."""
     D = sizes_of(cells).dimension
     identity = tuple(float(i == j) for i in range(D) for j in range(D))

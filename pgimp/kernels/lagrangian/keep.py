@@ -1,7 +1,7 @@
 """Velocity and displacement of vertices after a step; see `pgimp.kernels.data.motion`."""
 
 from pgimp.jit.kernel import inner_kernel, kernel
-from pgimp.jit.vectors.simd import pack, store, vector
+from pgimp.jit.vectors.simd import lane, load, pack, store, vector, with_lane
 from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_MASS, KEPT_VELOCITY
 from pgimp.kernels.data.record import MASS, RECORD, VELOCITY
 from pgimp.kernels.data.used_rows import is_used, use
@@ -57,10 +57,11 @@ def keep_motion(field, dt):
             if not (fields[f] and is_used(field, i, f)):
                 continue
             for r in range(i * plane + f * size, i * plane + (f + 1) * size, RECORD):
-                for d in range(3):
-                    v = G[r + VELOCITY + d]
-                    values[r + KEPT_VELOCITY + d] = v
-                    values[r + DISPLACEMENT + d] += dt * v
+                v = load(G, r + VELOCITY - 1)  # behind the mass
+                u = load(values, r + DISPLACEMENT - 1)
+                moved = pack(0.0, dt, dt, dt) * v + u
+                store(values, r + DISPLACEMENT - 1, with_lane(moved, 0, lane(u, 0)))
+                store(values, r + KEPT_VELOCITY - 1, with_lane(v, 0, 0.0))
 
 
 @kernel

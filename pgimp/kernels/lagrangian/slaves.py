@@ -4,7 +4,49 @@ See `pgimp.solver.lagrangian.slaves`.
 """
 
 from pgimp.jit.kernel import kernel
-from pgimp.kernels.data.record import RECORD
+from pgimp.kernels.data.record import FORCE, MASS, RECORD
+
+
+@kernel
+def take_vectors(values, first, rows, found):
+    """Set vectors to those of some records; zero where the rank has none.
+
+    Parameters
+    ----------
+    values : (records * RECORD,) float64
+        Records of vertices.
+    first : int
+        Entry of a record with the first component.
+    rows : (n,) int64
+        Numbers of the records; -1 for those of other ranks.
+    found : (n, 3) float64
+    """
+    for n in range(len(rows)):
+        for d in range(3):
+            found[n, d] = values[rows[n] * RECORD + first + d] if rows[n] >= 0 else 0.0
+
+
+@kernel
+def leave_to_masters(G, mass, slaves, masters):
+    """Take forces and masses from slaves, and set the masses that their masters have with them.
+
+    Parameters
+    ----------
+    G : (records * RECORD,) float64
+        Records of the sums.
+    mass : (m,) float64
+        Masses of the masters.
+    slaves, masters : (n,) int64, (m,) int64
+        Numbers of their records; -1 for those of other ranks.
+    """
+    for row in slaves:
+        if row >= 0:
+            G[row * RECORD + MASS] = 0.0
+            for d in range(3):
+                G[row * RECORD + FORCE + d] = 0.0
+    for m in range(len(masters)):
+        if masters[m] >= 0:
+            G[masters[m] * RECORD + MASS] = mass[m]
 
 
 @kernel

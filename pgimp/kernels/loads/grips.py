@@ -24,7 +24,7 @@ def sum_grips(field, forcing, controls, A, reach, sums):
         constraints share a vertex, the last one counts, as in `constrained_velocity`.
     A, reach
         Empty and 0 after the momentum update. Before it accelerations of vertices that keep their
-        motion, see `pgimp.kernels.lagrangian.averaged_mass.find_accelerations`.
+        motion, see `pgimp.kernels.lagrangian.averaged_mass.average_forces`.
     sums : (planes, constraints, 3, GRIPPED) float64
         Zeros.
     """

@@ -31,7 +31,7 @@ from pgimp.kernels.transfer.parts import (
     keep_corners,
     product_count,
     read_products,
-    scatter_parts,
+    scatter_surface,
 )
 from pgimp.kernels.transfer.scatter import Share, scatter_products
 from pgimp.kernels.transfer.supports import SUPPORT_SIZE, keep_support
@@ -158,6 +158,12 @@ def _along(load, frame, x, part, own, d, vertex, like):
 
 
 @inlined
+def _bearing(load, D):
+    """First of the numbers of a part's products of inertia, see `Particles.bearing`."""
+    return load.column // (1 + D + D * D) * product_count(D) * (1 + D)
+
+
+@inlined
 def _keep_point(load, frame, window, particles, p, c, vertex, buffer):
     """Store a part's weights in its particle's cell, along the last directions, as many as in `c`.
 
@@ -170,7 +176,7 @@ def _keep_point(load, frame, window, particles, p, c, vertex, buffer):
     t = f - (vertex - frame.ghost) + c[0] * frame.inverse[d]
     keep_support(buffer, d, (1.0 - t, t), (-frame.inverse[d], frame.inverse[d]))
     if len(c) == 1:
-        number = load.column // (1 + D + D * D) * product_count(D)
+        number = _bearing(load, D)
         keep_corners(buffer, read_products(particles.bearing, p, number, D), frame.origin, ())
         return 0
     x = coordinate(frame, particles, p, d + 1)
@@ -243,19 +249,39 @@ def _couple(load, frame, particles, p, j, N, c):
 
     Where a part is bent, or round an edge, its components act at different places.
     """
-    D = len(frame.origin)
-    F = deformation(frame, particles, p)
-    surface, first, g, q = particles.surface, load.column, load.gradient, load.pressure
-    if g[0] != 0.0 or g[1] != 0.0 or g[2] != 0.0:
-        at, C = _position(particles, p, D), columns(F)
-        for d in range(3):
-            q += g[d] * (at[d] + C[0][d] * c[0] + C[1][d] * c[1] + C[2][d] * c[2])
-        q = max(q, 0.0)
+    D, surface, first = len(frame.origin), particles.surface, load.column
     n = (
         _moment(surface, p, first, D, j, 0) - c[j] * N[0],
         _moment(surface, p, first, D, j, 1) - c[j] * N[1],
         _moment(surface, p, first, D, j, 2) - c[j] * N[2],
     )
+    return _pressed(load, frame, particles, p, N, c, n)
+
+
+@inner_kernel
+def _spread(load, frame, particles, p, k, N, c):
+    """Moment of a pressure's force on a part by the `k`-th product of distances.
+
+    It is what one mean for all components of the force leaves.
+    """
+    D = len(frame.origin)
+    count, first = product_count(D), _bearing(load, D) + k
+    x, y = particles.bearing[p, first + count], particles.bearing[p, first + 2 * count]
+    z = particles.bearing[p, first + 3 * count] if D > 2 else 0.0
+    return _pressed(load, frame, particles, p, N, c, (x, y, z))
+
+
+@inner_kernel
+def _pressed(load, frame, particles, p, N, c, n):
+    """Moment of a pressure's force on a part, given that of its normal in the initial state."""
+    D = len(frame.origin)
+    F = deformation(frame, particles, p)
+    g, q = load.gradient, load.pressure
+    if g[0] != 0.0 or g[1] != 0.0 or g[2] != 0.0:
+        at, C = _position(particles, p, D), columns(F)
+        for d in range(3):
+            q += g[d] * (at[d] + C[0][d] * c[0] + C[1][d] * c[1] + C[2][d] * c[2])
+        q = max(q, 0.0)
     if load.follows:
         n = _cofactor(F, n)
     f = (-q * n[0], -q * n[1], -q * n[2])
@@ -264,9 +290,11 @@ def _couple(load, frame, particles, p, j, N, c):
 
 @inlined
 def _couples(load, frame, particles, p, part, like):
-    """First moments of the force on a part, for gradients along the directions, vectors (0, f)."""
+    """Moments of the force on a part, see `scatter_surface`, vectors (0, f)."""
     if len(like) == 0:
-        return ()
+        count = product_count(len(frame.origin))
+        each = tuple(_spread(load, frame, particles, p, k, part[1], part[0]) for k in range(count))
+        return tuple(pack(0.0, *f) for f in each)
     f = _couple(load, frame, particles, p, len(frame.origin) - len(like), part[1], part[0])
     return (pack(0.0, *f), *_couples(load, frame, particles, p, part, like[1:]))
 
@@ -279,8 +307,7 @@ def _scatter(load, layout, particles, p, part, planes, support, f):
     force = pack(0.0, f[0], f[1], f[2])
     if by_parts(shape):
         couples = _couples(load, frame, particles, p, part, frame.origin)
-        share = Share((), force, couples, (), (), ())
-        return scatter_parts(G, support, offset, stride, share)
+        return scatter_surface(G, support, offset, stride, force, couples, frame.origin)
     share = Share(zero, force, nothing, (), (), ())
     return scatter_products(shape, G, support, offset, stride, share)
 
@@ -309,7 +336,7 @@ def _scalar(f, u):
 
 @inlined
 def _powers(couples, D):
-    """Sum of the products of first moments and velocity gradients."""
+    """Sum of the products of moments and derivatives of the velocity."""
     if len(couples) == 0:
         return 0.0
     f = couples[0]

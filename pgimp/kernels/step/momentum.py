@@ -1,8 +1,9 @@
 """Momentum update (14) of the vertices, boundary conditions, and reactions of the faces."""
 
-from pgimp.jit.kernel import inlined, inner_kernel, kernel
+from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
+from pgimp.jit.vectors.simd import lane, load, pack, store, with_lane
 from pgimp.kernels.contact.vertex import apply_contact
-from pgimp.kernels.data.motion import grid_rate, keeps, velocity_before
+from pgimp.kernels.data.motion import KEPT_VELOCITY, grid_rate, keeps, velocity_before
 from pgimp.kernels.data.record import ACCELERATION, FORCE, HELD, MASS, RECORD, VELOCITY
 from pgimp.kernels.data.used_rows import next_rows, used_rows
 from pgimp.kernels.data.velocity_fields import field_count, field_size
@@ -13,8 +14,8 @@ from pgimp.kernels.grid.faces import beyond_any, box_of, face_count, side_of, wa
 from pgimp.kernels.loads.loads import given
 from pgimp.kernels.loads.wall_gap import clear
 
-#: Parts of the update: all; up to the last pass of contact, and the rest.
-WHOLE, BEGINNING, REST = 0, 1, 2
+#: Parts of the update: all; up to the last pass of contact, and the rest; all of further planes.
+WHOLE, BEGINNING, REST, FURTHER = 0, 1, 2, 3
 
 
 @kernel
@@ -36,11 +37,12 @@ def update_momentum(frame, field, faces, forcing, ledger, contact, part):
     contact : Contact or ()
         Contact of the velocity fields.
     part : int
-        `WHOLE`, or `BEGINNING` and `REST` in two calls.
+        `WHOLE`, or `BEGINNING` and `REST` in two calls. Where fields of several calls have some
+        active planes each, all but the first have `FURTHER`.
     """
     G, active, owned, plane = field.G, field.active, field.owned, field.window.stride[0]
     dt, gravity, mass_cutoff, work = forcing.dt, forcing.gravity, forcing.mass_cutoff, ledger.work
-    if part != REST:
+    if part != REST and part != FURTHER:
         ledger.outside_mass[:] = 0.0
     heavy = gravity[0] != 0.0 or gravity[1] != 0.0 or gravity[2] != 0.0
     size, row = field_size(field.window), field.window.stride[1]
@@ -86,7 +88,9 @@ def _accelerate(G, kept, begin, end, dt, gravity, mass_cutoff, clearances):
     """
     for r in range(begin, end, RECORD):
         m = G[r + MASS]
-        if m > mass_cutoff:
+        if m > mass_cutoff and _moves_on(kept, G, r, dt, gravity):
+            pass
+        elif m > mass_cutoff:
             inverse = 1.0 / m
             for d in range(3):
                 a = G[r + FORCE + d] * inverse + gravity[d]
@@ -99,6 +103,23 @@ def _accelerate(G, kept, begin, end, dt, gravity, mass_cutoff, clearances):
                 G[r + VELOCITY + d] = velocity_before(*kept, G, r, d, inverse)
         if m >= 0.0:
             clear(clearances, G, r)
+
+
+@inlined
+def _moves_on(kept, G, r, dt, gravity):
+    """Accelerate the vertex at `r` if it keeps its motion, all components at once."""
+    motion, keeps_motion = kept
+    if not is_record(motion):
+        return False
+    if not keeps_motion:
+        return False
+    m, f = G[r + MASS], load(G, r + FORCE - 1)
+    inverse = 1.0 / m
+    a = pack(0.0, inverse, inverse, inverse) * f + pack(0.0, gravity[0], gravity[1], gravity[2])
+    v = pack(0.0, dt, dt, dt) * a + load(motion.values, r + KEPT_VELOCITY - 1)
+    store(G, r + MASS, with_lane(v, 0, m))
+    store(G, r + FORCE - 1, with_lane(a, 0, lane(f, 0)))
+    return True
 
 
 @inlined

@@ -23,6 +23,7 @@ from pgimp.kernels.data.used_rows import (
 )
 from pgimp.kernels.lagrangian.cells import CELL_VERTICES, Cells, add_cells
 from pgimp.kernels.lagrangian.keep import begin_with_masses
+from pgimp.kernels.lagrangian.part_cells import add_parts
 from pgimp.kernels.loads.loads import Loads
 from pgimp.kernels.step.sum_layer import sum_layer
 
@@ -42,7 +43,8 @@ def _sum_second_group(second, field, particles, layer, span):
     if not is_record(second):
         return span
     if isinstance(second, Cells):
-        low, high = add_cells(second, field, particles, layer, span)
+        span = add_cells(second, field, particles, layer, span)
+        low, high = add_parts(second, field, layer, span)
         use_layer(field, low, high)
         return low, high
     start = second.order.start

@@ -67,7 +67,7 @@ def sum_layer(setting, field, particles, quantity, rows, span, number):
             supports(shape, frame, window, particles, four, number, buffer, quantity.affine)
             keep_means(quantity.mean, shape, frame, buffer)
             keep_mean_lagrangian(quantity.mean_lagrangian, shape, frame, buffer, weights)
-            keep_forces(quantity, frame, particles, four, forces)
+            keep_forces(quantity, (shape, frame), particles, four, forces)
         else:
             own = class_of(quantity)
             own.supports(quantity, shape, frame, window, particles, four, number, buffer)

@@ -113,7 +113,7 @@ def gather(shape, G, support, offset, stride, like, mean, hoop):
     if by_corners(shape):
         return gather_corners(shape, G, support, offset, stride, like)
     if by_parts(shape):
-        return (*gather_parts(G, support, offset, stride, like), ())
+        return (*gather_parts(G, support, offset, stride, like, hoop), ())
     return gather_products(shape, G, support, offset, stride, like, mean, hoop)
 
 

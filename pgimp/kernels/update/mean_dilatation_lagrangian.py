@@ -19,6 +19,9 @@ along the grid and in their corners. With two particles a cell and direction it 
 isolated one. Weights are initial weights, and masses are constant until a stage removes a bonded
 body. A particle that becomes isolated then keeps its r_p, and an isolated one stays so: a jump of
 r_p would add strain. The particles' F is r_p F_p. G_p and r_p have columns of their own.
+
+Of bodies that are exact to their surface G_p is the mean over what cells hold, found before
+(`pgimp.solver.lagrangian.mean_dilatation`). None of their particles is isolated.
 """
 
 from pgimp.jit.algebra import determinant, inverse, multiply, plus_diagonal
@@ -55,6 +58,7 @@ from pgimp.kernels.update.deformation import side, update_deformation, velocity_
 from pgimp.kernels.update.mean_dilatation import section
 from pgimp.kernels.update.piola import BY_CELLS, kept_force, kept_hoop
 from pgimp.kernels.update.plates import deform_plate
+from pgimp.physics.shapes.base import by_parts
 
 #: d-th root of the filled part of its cells from which a particle is not isolated.
 MIN_FILL = 0.4
@@ -65,9 +69,11 @@ def keep_mean_lagrangian(mean, shape, frame, buffer, weights):
     """Store supports of four particles with the weights of dD_p/dv_v in the buffer `weights`.
 
     Of `SUPPORT_SIZE`, from the supports in `buffer`. Nothing unless there is a `mean`, which is ()
-    or a number, as everywhere here.
+    or a number, as everywhere here. Parts of cells need none.
     """
     if is_empty(mean):
+        return None
+    if by_parts(shape):
         return None
     if is_axial(frame):
         slopes, hoop = gradients_of_rings(shape, buffer)
@@ -104,9 +110,12 @@ def take_mean_lagrangian(mean, layout, field, four, buffer, weights, sums):
         Mean of the vertices' masses over their cells.
     C : tuple of D*D Vec4
         Gradients of the velocity, means over their cells; row-major, in axisymmetry with the hoop.
+        Neither of parts of cells, for which something else is returned.
     """
     if is_empty(mean):
         return ()
+    if by_parts(layout[0]):
+        return (0.0,)
     if is_axial(layout[1]):
         (shape, frame), window = layout, field.window
         begin = four.layer * window.stride[0]
@@ -152,6 +161,8 @@ def scatter_mean_lagrangian(mean, layout, G, support, offset, stride, forces):
     """
     if is_empty(mean):
         return None
+    if by_parts(layout[0]):
+        return None
     if is_axial(layout[1]):
         shape, frame = layout
         P = kept_force(forces, BY_CELLS, support.j, frame.origin)
@@ -187,24 +198,33 @@ def deform(cells, setting, forcing, particles, four, numbers, D):
             velocity_gradients(setting.frame, particles, four, D),
             update_deformation(setting, forcing, particles, four, numbers, D),
         )
-    directions = len(setting.frame.origin)
-    least = MIN_FILL**directions
-    (mass, C), frame, rows, dt = cells, setting.frame, four.rows, forcing.dt
+    frame, rows, dt = setting.frame, four.rows, forcing.dt
     fbar_ratio = take_row(particles.fbar_ratio, rows, 0, (0.0,))[0]
     before = scaled(1.0 / fbar_ratio, deformations(frame, particles, rows))
     after = plus_scaled(dt, D, before)
-    G = plus_scaled(dt, C, take_row(particles.cell_F, rows, 0, D))
-    put_row(particles.cell_F, rows, 0, G)
-    held = mass * take(particles.V0, rows)
-    for d in range(directions):
-        held = held * frame.inverse[d]
-    held = section(frame, particles.origin, rows, held)
-    was = take_row(particles.isolation, rows, 0, (0.0,))[0]
-    isolation = where(held < least * take(particles.m, rows), 1.0, was)
-    put_row(particles.isolation, rows, 0, (isolation,))
+    G, isolation = _of_cells(cells, frame, particles, rows, dt, D)
     swelling = max(determinant(G) / determinant(after), 0.0)  # an inverted one has none
     now = where(isolation > 0.0, fbar_ratio, side(swelling, D))
     put_row(particles.fbar_ratio, rows, 0, (now,))
     L = multiply(D, inverse(before))
     e = (now / fbar_ratio - 1.0) / dt
     return plus_diagonal(scaled(1.0 + e * dt, L), e), scaled(now, after)
+
+
+@inlined
+def _of_cells(cells, frame, particles, rows, dt, D):
+    """Deformation gradients of four particles' cells after a step, and isolation: their columns."""
+    was = take_row(particles.isolation, rows, 0, (0.0,))[0]
+    if len(cells) == 1:
+        return take_row(particles.cell_F, rows, 0, D), was
+    (mass, C), directions = cells, len(frame.origin)
+    least = MIN_FILL**directions
+    G = plus_scaled(dt, C, take_row(particles.cell_F, rows, 0, D))
+    put_row(particles.cell_F, rows, 0, G)
+    held = mass * take(particles.V0, rows)
+    for d in range(directions):
+        held = held * frame.inverse[d]
+    held = section(frame, particles.origin, rows, held)
+    isolation = where(held < least * take(particles.m, rows), 1.0, was)
+    put_row(particles.isolation, rows, 0, (isolation,))
+    return G, isolation

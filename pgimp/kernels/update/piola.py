@@ -9,11 +9,12 @@ from math import isqrt
 
 from pgimp.jit.algebra import cofactor, full, multiply, trace
 from pgimp.jit.kernel import inlined, is_empty, is_record
-from pgimp.jit.tuples import scaled
+from pgimp.jit.tuples import plus_scaled, scaled
 from pgimp.jit.vectors.rows import transpose
 from pgimp.jit.vectors.simd import load, number, pack, store, vector
 from pgimp.kernels.transfer.first_vertex import is_axial, is_initial, is_plate, undeformed
 from pgimp.kernels.transfer.lane_io import deformations, take, take_row
+from pgimp.physics.shapes.base import by_parts
 
 #: Offset in the buffer of the forces by cells, see
 #: `pgimp.kernels.update.mean_dilatation_lagrangian`.
@@ -55,11 +56,13 @@ def keep_columns(buffer, at, P):
 
 
 @inlined
-def keep_forces(loads, frame, particles, rows, buffer):
+def keep_forces(loads, layout, particles, rows, buffer):
     """Store -V0 P of four particles, less viscosity's, in a buffer of `PIOLA_SIZE` float64.
 
-    With `mean_lagrangian` also the forces by cells. Nothing is done in the current configuration.
+    With `mean_lagrangian` also the forces by cells; those of parts of cells are among the others.
+    Nothing is done in the current configuration. `layout` is the shape and the frame.
     """
+    shape, frame = layout
     if not is_initial(frame):
         return None
     D = len(frame.origin)
@@ -76,6 +79,12 @@ def keep_forces(loads, frame, particles, rows, buffer):
     rest = (sigma[0] - mean, sigma[1] - mean, sigma[2] - mean, *sigma[3:])
     fbar_ratio, V = take_row(particles.fbar_ratio, rows, 0, (0.0,))[0], -take(particles.V0, rows)
     P = multiply(stresses(frame, rest), cofactor(deformations(frame, particles, rows)))
+    if by_parts(shape):
+        G = take_row(particles.cell_F, rows, 0, matrix)
+        whole = take_row(particles.mean_stress, rows, 0, (0.0,))[0]
+        P = plus_scaled(V * whole, cofactor(G), scaled(V * fbar_ratio, P))
+        keep_columns(buffer, 0, P)
+        return
     keep_columns(buffer, 0, scaled(V * fbar_ratio, P))
     G = take_row(particles.cell_F, rows, 0, matrix)
     keep_columns(buffer, BY_CELLS, scaled(V * mean, cofactor(G)))

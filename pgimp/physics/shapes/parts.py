@@ -25,6 +25,11 @@ class PartParameters(FixedSize):
         return (1.0 - f, f), (-1.0, 1.0)
 
     @staticmethod
-    def products(dimensions):
-        """Number of a part's products of inertia: of two and of three directions."""
-        return (0, 1, 4)[dimensions - 1]
+    def moments(shape, half, f, g):
+        """See `pgimp.physics.shapes.base.moments`; what rings need is in their products."""
+        return (0.0 * f, 0.0 * f), (0.0 * f, 0.0 * f)
+
+    @staticmethod
+    def products(dimensions, rings=False):
+        """Number of a part's products of inertia: of two and of three directions, of rings."""
+        return 3 if rings else (0, 1, 4)[dimensions - 1]

@@ -55,7 +55,7 @@ class ParticleBlock(NamedTuple):
     #: is a run's own.
     columns: Mapping[str, NDArray] = MappingProxyType({})
     saved: Saved | None = None
-    #: (n, 1 or 4) float64 or None: Products of inertia of the parts, of bodies that are exact to
+    #: (n, 1, 3 or 4) float64 or None: Products of inertia of the parts, of bodies that are exact to
     #: their surface.
     products: NDArray[np.float64] | None = None
 
@@ -89,6 +89,7 @@ class Lattice:
             for name, counts in zip(self.names, self.counted, strict=True)
         ]
         self.shared = sharing(case)
+        self.rings = case.axisymmetric
         self.per_cell = per_cell
         self.coordinates = []
         self.edges: list[NDArray[np.float64]] = []
@@ -108,6 +109,7 @@ class Lattice:
                 self.coordinates,
                 body.surface != "whole",
                 body.surface == "exact",
+                case.axisymmetric,
             )
             for body in case.bodies.values()
         ]
@@ -306,5 +308,9 @@ class Lattice:
                     centroids = x + volumes.moment(part) / fractions[:, None]
                     ids = np.arange(first + begin, first + begin + len(part))
                     found = ParticleBlock(number, x, ids, fractions, centroids)
-                    products = volumes.products(part) if body.exact else None
-                    yield found._replace(products=products)
+                    if body.exact and self.rings:
+                        products = volumes.ring_products(part, x[:, 0], self.box[0])
+                        found = found._replace(products=products)
+                    elif body.exact:
+                        found = found._replace(products=volumes.products(part))
+                    yield found

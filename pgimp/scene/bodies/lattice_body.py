@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from pgimp.geometry.measure import measure
 from pgimp.geometry.regions.base import Region
+from pgimp.physics.shapes.parts import PartParameters
 from pgimp.scene.bodies.merge import merge_small
 from pgimp.scene.bodies.volume_fractions import Indices, Ranges, Reals, VolumeFractions
 
@@ -65,6 +66,8 @@ class LatticeBody:
         Whether surfaces cut boxes; otherwise boxes with their centres inside are whole.
     exact : bool
         Whether parts have their products of inertia, and none merges into a neighbour.
+    rings : bool
+        Whether boxes are sections of rings.
     """
 
     def __init__(
@@ -74,9 +77,11 @@ class LatticeBody:
         centres: list[Reals],
         cut: bool,
         exact: bool = False,
+        rings: bool = False,
     ) -> None:
         self.region, self.edges, self.centres, self.cut = region, edges, centres, cut
         self.exact = exact
+        self._products = PartParameters.products(len(edges), rings) if exact else 0
         low, high = region.bounds()
         self.box: Ranges = []
         for e, a, b in zip(edges, low, high, strict=True):
@@ -97,8 +102,7 @@ class LatticeBody:
     @property
     def _width(self) -> int:
         """Moments of a box, with its products of inertia if it is exact."""
-        D = len(self.edges)
-        return 2**D - 1 if self.exact else D
+        return len(self.edges) + self._products
 
     def slabs(self, planes: tuple[int, int]) -> Iterator[VolumeFractions]:
         """Volume fractions in a range of planes, small cut boxes merged, in ascending order."""
@@ -222,7 +226,7 @@ class LatticeBody:
         high = np.stack([e[i + 1] for e, i in zip(self.edges, index, strict=True)], axis=1)
         volume, moment = np.zeros(len(low)), np.zeros((len(low), self._width))
         for rows, region in self._neighbourhoods(index):
-            volume[rows], moment[rows] = measure(region, low[rows], high[rows], self.exact)
+            volume[rows], moment[rows] = measure(region, low[rows], high[rows], self._products)
         return self._rounded(volume, moment)
 
     def _rounded(self, volume: Reals, moment: Reals) -> tuple[Reals, Reals]:

@@ -118,7 +118,7 @@ def _set_surfaces(
             found = _elements(entry, body, (planes[0] - AWAY, planes[1] + AWAY), loads.closed)
             parts, bearing = parts_of(body, found, p.x[mine], ring)
             p.surface[mine, k * width : (k + 1) * width] = parts
-            if more := scene.carried.products:
+            if more := scene.carried.bearing:
                 p.bearing[mine, k * more : (k + 1) * more] = bearing
 
 

@@ -131,9 +131,10 @@ def _cut_elements(
         high[:, d] = a + (part[:, d] + 1) / parts * (b - a)
     near = _near(body, low, high) if len(low) else np.zeros(0, bool)
     box, low, high = box[near], low[near], high[near]
+    thin = 0.5 * _THIN * (high - low)  # the same for pieces side by side
     for region in cuts:
         row, low, high = pieces(region, low, high)
-        box = box[row]
+        box, thin = box[row], thin[row]
     n, size = len(box), high - low
     area, moment = np.zeros((n, D)), np.zeros((n, D, D))
     volume = measure(body.region, low, high)[0]
@@ -145,8 +146,8 @@ def _cut_elements(
     for d in range(D):
         moment[:, d, d] += volume
         for side, at in ((-1.0, low), (1.0, high)):
-            a, b, half = low.copy(), high.copy(), 0.5 * _THIN * size[:, d]
-            a[:, d], b[:, d] = at[:, d] - half, at[:, d] + half
+            a, b = low.copy(), high.copy()
+            a[:, d], b[:, d] = at[:, d] - thin[:, d], at[:, d] + thin[:, d]
             if (d, int(side)) in closed:
                 end = body.edges[d][0 if side < 0.0 else -1]
                 if side < 0.0:
@@ -282,13 +283,13 @@ def parts_of(body: LatticeBody, elements: Elements, x: Reals, ring: bool) -> tup
     -------
     parts : (n, width) float64
         Area, area vector, first moments.
-    products : (n, 0, 1 or 4) float64
-        Means of products of the distances from the part's centroid, see `PartParameters`.
+    products : (n, (1 + D) (0, 1 or 4)) float64
+        Products of inertia, see `pgimp.kernels.data.particles.Particles.bearing`.
     """
     n, D = x.shape
     found = np.zeros((n, 1 + D + D * D))
     if not n or not len(elements.box):
-        return found, np.zeros((n, PartParameters.products(D)))
+        return found, np.zeros((n, (1 + D) * PartParameters.products(D)))
     goes = carriers(body, elements)
     whole = _together(body, elements) if ring else elements.area
     shape = tuple(len(e) + 2 for e in body.edges)
@@ -298,26 +299,36 @@ def parts_of(body: LatticeBody, elements: Elements, x: Reals, ring: bool) -> tup
     row = np.minimum(np.searchsorted(numbers, target), n - 1)
     mine = numbers[row] == target
     elements, whole, row = elements.chosen(mine), whole[mine], row[mine]
-    factor = np.ones(len(row))
+    factor, bend = np.ones(len(row)), np.zeros((len(row), D))
     if ring:
         factor = 2.0 * np.pi * np.maximum(elements.centroid[:, 0], 0.0)
+    if ring and body.exact:  # of elements that are not straight
+        off = (elements.centroid[:, 0] - elements.centre[:, 0])[:, None]
+        bend = 2.0 * np.pi * (elements.moment[:, 0] - off * elements.area)
     square = sum(elements.area[:, d] ** 2 for d in range(D))
     np.add.at(found[:, 0], row, factor * np.sqrt(square))
     for d in range(D):
-        np.add.at(found[:, 1 + d], row, factor * elements.area[:, d])
+        np.add.at(found[:, 1 + d], row, factor * elements.area[:, d] + bend[:, d])
         for j in range(D):
             arm = elements.centre[:, j] - x[row, j]
             moment = factor * (elements.moment[:, j, d] + arm * elements.area[:, d])
             if ring:
                 moment += 2.0 * np.pi * _spread(whole, j) * elements.area[:, d]
+                moment += (elements.centroid[:, j] - x[row, j]) * bend[:, d]
             np.add.at(found[:, 1 + D + D * j + d], row, moment)
-    return found, _products(elements, x, row, found)
+    return found, _products(elements, x, row, found, whole if ring else None)
 
 
-def _products(elements: Elements, x: Reals, row: Indices, parts: Reals) -> Reals:
-    """Products of inertia of the parts of a surface in some rows, see `parts_of`."""
+def _products(
+    elements: Elements, x: Reals, row: Indices, parts: Reals, rings: Reals | None
+) -> Reals:
+    """Products of inertia of the parts of a surface in some rows, see `parts_of`.
+
+    For `rings` with the area vectors from `_together`.
+    """
     n, D = x.shape
-    found = np.zeros((n, PartParameters.products(D)))
+    count = PartParameters.products(D)
+    found = np.zeros((n, (1 + D) * count))
     loaded = np.flatnonzero(parts[:, 0])
     vector = parts[:, 1 : 1 + D]
     moment = parts[:, 1 + D :].reshape(n, D, D)
@@ -325,14 +336,20 @@ def _products(elements: Elements, x: Reals, row: Indices, parts: Reals) -> Reals
     centroid = x + (moment * vector[:, None]).sum(axis=2) / square[:, None]
     arm, area = elements.centroid - centroid[row], elements.area
     size = np.sqrt((area * area).sum(axis=1))
-    for column, axes in enumerate(MONOMIALS[D - 1][1 + D :]):
-        product = size * arm[:, axes].prod(axis=1)
-        if len(axes) == 2:  # an element is straight, or a flat one as wide as long
+    for column, axes in enumerate(MONOMIALS[D - 1][1 + D : 2**D]):
+        product = arm[:, axes].prod(axis=1)
+        if rings is not None:  # straight strips, which weigh with their radius
+            r, (a, b), (p, q) = np.maximum(elements.centroid[:, 0], 0.0), arm.T, rings.T
+            product = 2.0 * np.pi * (r * product + (q * q * b - p * q * (r + a)) / 12.0)
+        elif len(axes) == 2:  # an element is straight, or a flat one as wide as long
             i, j = axes
-            own = area[:, i] * area[:, j] / 12.0
-            product -= own * (size if D == 2 else 1.0)
-        np.add.at(found[:, column], row, product)
-    found[loaded] /= parts[loaded, 0, None]
+            product -= area[:, i] * area[:, j] / (12.0 * (1.0 if D == 2 else size))
+        np.add.at(found[:, column], row, size * product)
+        for d in range(D):
+            np.add.at(found[:, (1 + d) * count + column], row, area[:, d] * product)
+    found[loaded, :count] /= parts[loaded, 0, None]
+    for d in range(D):
+        found[:, (1 + d) * count : (2 + d) * count] -= found[:, :count] * vector[:, d, None]
     return found
 
 

@@ -20,7 +20,7 @@ class VolumeFractions(NamedTuple):
     whole: NDArray[np.bool_]
     indices: Indices  #: (n,) int64: Numbers of boxes with a fraction other than 0 and 1, ascending.
     fractions: Reals  #: (n,) float64: Volume of their parts inside, over the volume of a box.
-    #: (n, D or 2^D - 1) float64: Integrals over their parts of the position relative to the box's
+    #: (n, D or more) float64: Integrals over their parts of the position relative to the box's
     #: centre, over the volume of a box. Of bodies that are exact to their surface also of its
     #: components' products.
     moments: Reals
@@ -61,6 +61,28 @@ class VolumeFractions(NamedTuple):
         found[:, 3] -= x * found[:, 0] + y * found[:, 1] + z * found[:, 2] - 2.0 * x * y * z
         found[:, :3] -= np.stack([y * z, x * z, x * y], axis=1)
         return found
+
+    def ring_products(self, indices: Indices, r: Reals, width: float) -> Reals:
+        """Products of inertia of the rings with the boxes with these numbers as sections, (n, 3).
+
+        A mean of x y about the mass's centroid. Then the distances along both directions from the
+        section's centroid to the mass's.
+
+        Parameters
+        ----------
+        r : (n,) float64
+            Radii of the boxes' centres.
+        width : float
+            Of a box, along the radius.
+        """
+        whole = np.zeros((len(indices), 5))
+        whole[:, 3] = width * width / 12.0
+        means = self._take(indices, whole, self.moments) / self.fraction(indices)[:, None]
+        x, y, xy, xx, xxy = means.T
+        xxy = xxy - y * xx - 2.0 * x * xy + 2.0 * x * x * y
+        xy, xx, centroid = xy - x * y, xx - x * x, r + x
+        out, along = xx / centroid, xy / centroid
+        return np.stack([xy + xxy / centroid - out * along, out, along], axis=1)
 
     def part(self, ranges: Ranges) -> "VolumeFractions":
         """The same in another part of the lattice; boxes outside of this one are empty."""

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pgimp.kernels.data.arguments import Field
 from pgimp.kernels.data.ledger import Ledger
-from pgimp.kernels.step.momentum import WHOLE, update_momentum
+from pgimp.kernels.step.momentum import FURTHER, WHOLE, update_momentum
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.rank_state import RankState
@@ -15,6 +16,7 @@ from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import VertexUpdate
 
 if TYPE_CHECKING:
+    from pgimp.kernels.contact.lagrangian.reference_grid import Changes
     from pgimp.solver.contact.free_bodies import FreeBodies
 
 
@@ -27,16 +29,23 @@ class NoContact:
     ----------
     at_vertices : bool
         Whether bodies exchange impulses at shared vertices, for output in frames.
+    by_planes : bool
+        Whether `update_momentum` may go on some planes after the others.
     bears : bool
         Whether `exchange` leaves impulses to constraints, at vertices that they hold.
     """
 
     at_vertices = False
+    by_planes = True
     bears = False
     #: Number of each body's velocity field; () if all share one for ever.
     fields: tuple[int, ...] = ()
     free: FreeBodies | None = None  #: The rigid bodies that move freely, if any.
     data: Any = ()  #: Contact or (): The kernels' data for contact vertices; () without any.
+
+    #: What contact has changed in the last step at vertices of all ranks, in the initial
+    #: configuration; None if nothing touched.
+    changes: Changes | None = None
 
     def __init__(self, scene: Scene, comm: Communicator) -> None:
         self.scene, self.comm = scene, comm
@@ -83,7 +92,10 @@ class NoContact:
 
     def update_momentum(self, rank: RankState, update: VertexUpdate) -> None:
         """Update velocities and accelerations of the vertices, with contact there: (14, 17)."""
-        self.advance(rank, update, WHOLE)
+        field, part = rank.grid.field, WHOLE
+        for active in rank.averaged_mass.by_planes(rank) if rank.averaged_mass else (field.active,):
+            self.advance(rank, update, part, field._replace(active=active))
+            part = FURTHER
 
     def exchange(self, rank: RankState, update: VertexUpdate) -> None:
         """Exchange impulses between vertices at different positions."""
@@ -100,12 +112,14 @@ class NoContact:
     def moved(self) -> None:
         """Note that the rank's particles have changed."""
 
-    def advance(self, rank: RankState, update: VertexUpdate, part: int) -> None:
-        """Call `update_momentum` for a part of the update."""
+    def advance(
+        self, rank: RankState, update: VertexUpdate, part: int, field: Field | None = None
+    ) -> None:
+        """Call `update_momentum` for a part of the update, of all planes or those of a `field`."""
         rank.call(
             update_momentum,
             self.scene.domain.frame,
-            rank.grid.field,
+            field or rank.grid.field,
             update.faces,
             update.forcing,
             update.ledger,

@@ -7,7 +7,8 @@ from pgimp.solver.contact.base import NoContact
 def contact_kind(scene: Scene) -> type[NoContact]:
     """Return the class of a scene's contact."""
     meets = scene.interaction.pairs or scene.domain.unilateral_walls
-    if meets and scene.settings.exact_surfaces.any() and scene.settings.exact_surfaces.all():
+    exact = scene.settings.exact_surfaces.any() and scene.settings.exact_surfaces.all()
+    if meets and exact and not (scene.case.axisymmetric or any(scene.domain.periodic)):
         from pgimp.solver.contact.surfaces.contact import SurfaceContact
 
         return SurfaceContact

@@ -56,7 +56,7 @@ class MultifieldContact(NoContact):
         The rigid bodies that move freely, if any.
     """
 
-    at_vertices = True
+    at_vertices, by_planes = True, False
 
     def __init__(self, scene: Scene, comm: Communicator) -> None:
         super().__init__(scene, comm)

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import Any
+
 import numpy as np
 
 from pgimp.decomposition.grid import aligned
+from pgimp.jit.rehearsal import needed
+from pgimp.kernels.contact.lagrangian.reference_grid import add_accelerations
 from pgimp.kernels.data.arguments import Field
 from pgimp.kernels.grid.image_values import copy_accelerations
 from pgimp.kernels.grid.mirror import fold_forces
-from pgimp.kernels.lagrangian.averaged_mass import MassRows, average_forces, find_accelerations
+from pgimp.kernels.lagrangian.averaged_mass import MassRows, average_forces
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.averaging import averaged_parts
 from pgimp.scene.scene import Scene
@@ -28,6 +33,9 @@ class AveragedMass(StepPart):
 
     While a run comes to rest the lumped mass is enough.
 
+    Contact acts later in a step. Accelerations have that of its last step: what rests on another
+    body stays in equilibrium, and a wave meets the mass that it should.
+
     Attributes
     ----------
     alpha : (bodies,) float64
@@ -39,6 +47,14 @@ class AveragedMass(StepPart):
         self._known: Field | None = None
         self._rows: MassRows | None = None
         self._accelerations = self._buffer = np.empty(0)
+        #: Arguments of `average_forces` in this step, and the plane below which accelerations are
+        #: known; whether forces are left to `by_planes`.
+        self._arguments: tuple[Any, ...] = ()
+        self._known_below = 0
+        self._left = False
+        #: keys, pushed: (m,) int64, (m, 3) float64: What contact added to accelerations of vertices
+        #: in the last step.
+        self._keys, self._pushed = np.empty(0, np.int64), np.empty((0, 3))
 
     @property
     def lumped(self) -> np.ndarray:
@@ -56,32 +72,74 @@ class AveragedMass(StepPart):
             self._known, self._rows = field, find_rows(rank, self.alpha)
             self._accelerations = aligned((grid.planes + 2 * reach) * half)
             self._buffer = aligned(half)
-        forcing, A, rows = update.forcing, self._accelerations, self._rows
-        scratch, every = np.empty((len(domain.faces), 3)), (0, grid.planes)
+        forcing, A = update.forcing, self._accelerations
+        setting = frame, field, update.faces
+        rest = np.empty((len(domain.faces), 3)), A, reach, self._rows
+        every = (0, grid.planes), (0, 0), self._buffer
+        pressed = rank.contact.bears and needed(len(self._keys))
         if rank.grips and rank.grips.acts:  # they move by the accelerations of what they hold
-            free = frame, field, update.faces, forcing, scratch, A, reach
-            rank.call(find_accelerations, *free, every)
+            rank.call(average_forces, *setting, forcing, *rest, *every)
             constraints = rank.grips.forecast(rank, update, A, reach)
             forcing = forcing._replace(marked=(constraints, *forcing.marked[1:]))
-        setting = frame, field, update.faces, forcing, scratch, A, reach
+        self._arguments, self._known_below = (*setting, forcing, *rest), 0
         mirrors = *domain.absorbing_mirrors, *domain.mirrors
         images = *domain.seams, *sorted(mirrors, key=lambda each: each.releases)  # as sums fold
-        if not (images or rank.slab.neighbours):
-            # In pieces, whose forces are still in the cache; accelerations are ahead.
-            size, ahead = max(1, _CACHED // half), 0
-            for first in range(0, grid.planes, size):
-                last = min(first + size, grid.planes)
-                rank.call(find_accelerations, *setting, (ahead, min(last + reach, grid.planes)))
-                ahead = min(last + reach, grid.planes)
-                rank.call(average_forces, field, A, reach, rows, (first, last), self._buffer)
-            return
-        rank.call(find_accelerations, *setting, every)
-        for each in reversed(images):
-            rank.call(copy_accelerations, frame, field, each, A, reach)
-        self._exchange(rank, reach)
-        rank.call(average_forces, field, A, reach, rows, every, self._buffer)
+        if images or rank.slab.neighbours or pressed:
+            rank.call(average_forces, *self._arguments, *every)
+            self._known_below = grid.planes
+            if pressed:
+                rank.call(add_accelerations, frame, field, self._keys, self._pushed, A, reach)
+            for each in reversed(images):
+                rank.call(copy_accelerations, frame, field, each, A, reach)
+            self._exchange(rank, reach)
+        self._left = rank.contact.by_planes and not images
+        if not self._left:
+            self._average(rank, 0, grid.planes)
         for each in images:
             rank.call(fold_forces, frame, field, each, forcing.dt, update.ledger)
+
+    def by_planes(self, rank: RankState) -> Iterator[np.ndarray]:
+        """Average forces that `add_forces` has left; yield which planes may then be updated.
+
+        Forces of a few planes are still in the cache then, as they are when they are averaged.
+        """
+        if not self._left:
+            yield rank.grid.active
+            return
+        grid, active = rank.grid, np.zeros_like(rank.grid.active)
+        size = max(1, _CACHED // len(self._buffer))
+        for first in range(0, grid.planes, size):
+            last = min(first + size, grid.planes)
+            self._average(rank, first, last)
+            active.fill(0)
+            active[first:last] = grid.active[first:last]
+            yield active
+        self._left = False
+
+    def _average(self, rank: RankState, first: int, last: int) -> None:
+        """Take alpha (C - L) a from the forces of planes, all of those before them done."""
+        assert self._rows
+        until = min(last + self._rows.reach, rank.grid.planes)
+        found = self._known_below, max(self._known_below, until)
+        rank.call(average_forces, *self._arguments, found, (first, last), self._buffer)
+        self._known_below = found[1]
+
+    def book(self, rank: RankState, update: VertexUpdate) -> None:
+        """Keep what contact has added to accelerations."""
+        self._keys, self._pushed = self._keys[:0], self._pushed[:0]
+        if changes := rank.contact.changes:
+            moved = changes.velocities.any(axis=1)
+            self._keys, self._pushed = changes.keys[moved], changes.velocities[moved] / update.t.dt
+
+    @property
+    def state(self) -> np.ndarray:
+        """What contact added in the last step, for checkpoints: (m, 4) float64."""
+        return np.concatenate([self._keys[:, None].view(np.float64), self._pushed], axis=1)
+
+    def restore(self, state: np.ndarray) -> None:
+        """Continue with the `state` of a checkpoint."""
+        self._keys = np.ascontiguousarray(state[:, 0]).view(np.int64)
+        self._pushed = np.ascontiguousarray(state[:, 1:])
 
     def _exchange(self, rank: RankState, reach: int) -> None:
         """Get the accelerations of planes that only the neighbours have; collective."""

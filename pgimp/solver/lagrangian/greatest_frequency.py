@@ -23,7 +23,7 @@ def stable_courant(
     """Courant number up to which vertices near slaves are stable; collective.
 
     From the greatest frequency of a scalar wave by power iteration. What lies farther away is at
-    rest.
+    rest. Rings are strained by their hoops as well.
 
     Parameters
     ----------
@@ -65,8 +65,8 @@ def _near_particles(
     -------
     (p, 2^D) int64
         Numbers of their cells' corners among `known`; k for others.
-    (p, 2^D, D) float64
-        Gradients of their weights there.
+    (p, 2^D, D or 3) float64
+        Gradients of their weights there; of rings also the weights of their hoops.
     (p,) float64
         Their masses.
     """
@@ -77,13 +77,20 @@ def _near_particles(
     cells = Vertices.cells_of(rank, np.concatenate([few, known[masters]]))
     near = np.isin(Vertices.key(rank, first, p.body[rows]), cells)
     x, first, rows = x[near] - first[near], first[near], rows[near]
-    gradients = np.zeros((len(rows), len(corners), len(h)))
+    axial = rank.scene.case.axisymmetric
+    gradients = np.zeros((len(rows), len(corners), len(h) + axial))
+    out = p.products[rows, 1:] / h if axial else 0.0  # from the section's centroid to the mass's
     at = np.zeros((len(rows), len(corners)), np.int64)
     for c, corner in enumerate(corners):
         keys = Vertices.key(rank, first + np.array(corner), p.body[rows])
         at[:, c] = np.minimum(np.searchsorted(known, keys), len(known) - 1)
         at[known[at[:, c]] != keys, c] = len(known)
         n = np.where(np.array(corner) == 1, x, 1.0 - x)
+        if axial:
+            off_axis = first[:, 0] + corner[0] > frame.ghost  # on it no ring is stretched
+            off_axis |= frame.origin[0] > 0.0
+            gradients[:, c, 2] = off_axis * n.prod(axis=1) / p.origin[rows, 0]
+            n = np.where(np.array(corner) == 1, x + out, 1.0 - x - out)
         for d in range(len(h)):
             sign = (2 * corner[d] - 1) / h[d]
             gradients[:, c, d] = sign * np.delete(n, d, axis=1).prod(axis=1)

@@ -118,7 +118,7 @@ def _code(a: tuple[int, ...], b: tuple[int, ...], reach: int) -> int:
 def runs_of(uniform: np.ndarray, D: int) -> tuple[np.ndarray, ...]:
     """The last four arrays of `MassRows`."""
     planes, z = len(uniform), uniform.shape[3]
-    row = z * NUMBERS if D == 3 else 0
+    row = NUMBERS * (z if D == 3 else max(uniform[:1].size, 1))
     start, span, run, mass = [0], [], [np.zeros((0, 2), np.int64)], [np.zeros(0)]
     for plane in range(planes):
         m = np.concatenate([[0.0], uniform[plane].reshape(-1), [0.0]])
@@ -128,8 +128,9 @@ def runs_of(uniform: np.ndarray, D: int) -> tuple[np.ndarray, ...]:
         run.append(NUMBERS * pairs)
         mass.append(m[pairs[:, 0] + 1])
         start.append(start[-1] + len(pairs))
-        low, high = (run[-1].min(), run[-1].max()) if len(pairs) else (0, 0)
-        span.append((low - row - NUMBERS, high + row + NUMBERS) if len(pairs) else (0, 0))
+        begin = run[-1][:, 0] % row
+        end = run[-1][:, 1] - run[-1][:, 0] + begin
+        span.append((begin.min() - NUMBERS, end.max() + NUMBERS) if len(pairs) else (0, 0))
     return (
         np.array(start, np.int64), np.array(span, np.int64).reshape(planes, 2),
         np.concatenate(run), np.concatenate(mass),

@@ -13,7 +13,7 @@ import numpy as np
 
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.record import RECORD
-from pgimp.kernels.lagrangian.averaged_mass import MassRows, find_weights
+from pgimp.kernels.lagrangian.averaged_mass import NUMBERS, MassRows, find_weights
 from pgimp.solver.lagrangian.mass_entries import Weighed, rows_of, runs_of, vertex_offset
 from pgimp.solver.rank_state import RankState
 
@@ -55,7 +55,11 @@ def find_rows(rank: RankState, alpha: np.ndarray) -> MassRows:
     start, vertex, *entries = rows_of(particles, uniform, reach)
     run_start, span, run, mass = runs_of(uniform, D)
     pattern, begin, column, value = entries
-    return MassRows(start, vertex, pattern, begin, column, value, scale, run_start, span, run, mass)
+    plane = NUMBERS * max(uniform[:1].size, 1)
+    far = int(np.abs(np.rint(column / plane)).max(initial=1))
+    return MassRows(
+        start, vertex, pattern, begin, column, value, scale, run_start, span, run, mass, far
+    )
 
 
 def _plane(rank: RankState) -> tuple[int, int, int]:

@@ -13,6 +13,9 @@ from pgimp.solver.rank_state import RankState
 #: Vertices from a slave to its masters, at most, along each direction.
 REACH = 2
 
+#: What decides between cells that are as good; above rounding.
+_TIE = 1e-7
+
 #: Slaves that are looked at together.
 _BLOCK = 4096
 
@@ -45,21 +48,54 @@ class Vertices(NamedTuple):
         return x, y, z, field
 
     @staticmethod
+    def joined(rank: RankState, place: Sequence[np.ndarray], field: np.ndarray) -> np.ndarray:
+        """Keys of vertices by their numbers along x, y, z, and fields; -1 beyond the grid.
+
+        Vertices beyond a seam are those inside that they stand for.
+        """
+        frame, periodic = rank.grid.frame, (*rank.scene.domain.periodic, False, False)
+        found, inside = np.zeros(1, np.int64), np.ones(1, bool)
+        sizes, most = Vertices.sizes(rank), (*frame.vertices, 1, 1)
+        for d, size in enumerate((1, *sizes[:2])):
+            at = place[d]
+            if periodic[d]:
+                at = frame.ghost + (at - frame.ghost) % frame.cells[d]
+            inside = inside & (at >= 0) & (at < most[d])
+            found = found * size + at
+        return np.where(inside, found * sizes[2] + field, -1)
+
+    @staticmethod
     def key(rank: RankState, number: np.ndarray, bodies: np.ndarray) -> np.ndarray:
         """Keys of vertices in the fields of bodies, given the vertices' numbers, (n, D)."""
-        ny, nz, fields = Vertices.sizes(rank)
         field = np.array(rank.grid.fields or [0] * (int(bodies.max(initial=0)) + 1))[bodies]
-        found = np.zeros(len(number), np.int64)
-        for d, size in enumerate((1, ny, nz)):
-            found = found * size + (number[:, d] if d < number.shape[1] else 0)
-        return found * fields + field
+        none = np.zeros(len(number), np.int64)
+        return Vertices.joined(rank, (*number.T, none, none), field)
+
+    @staticmethod
+    def strides(rank: RankState) -> tuple[int, ...]:
+        """Differences of the keys of neighbours, by direction."""
+        ny, nz, fields = Vertices.sizes(rank)
+        return (ny * nz * fields, nz * fields, fields)[: len(rank.grid.frame.cell)]
+
+    @staticmethod
+    def cells_under(rank: RankState, rows: np.ndarray) -> np.ndarray:
+        """Keys of the first vertices of the cells in which particles were at the start."""
+        frame, p = rank.grid.frame, rank.population.columns
+        x = (p.origin[rows] - np.array(frame.origin)) * np.array(frame.inverse)
+        number = np.floor(x).astype(np.int64) + frame.ghost
+        number[:, 0] = p.layer[rows]
+        return Vertices.key(rank, number, p.body[rows])
 
     @staticmethod
     def cells_of(rank: RankState, keys: np.ndarray) -> np.ndarray:
         """Keys of the first vertices of the cells round some vertices."""
-        D, (ny, nz, fields) = len(rank.grid.frame.cell), Vertices.sizes(rank)
-        strides = (ny * nz * fields, nz * fields, fields)[:D]
-        found = [keys - np.dot(corner, strides) for corner in product((0, 1), repeat=D)]
+        *place, field = Vertices.numbers(rank, keys)
+        found = [
+            Vertices.joined(rank, [place[d] - corner[d] for d in range(3)], field)
+            for corner in (
+                (*each, 0, 0) for each in product((0, 1), repeat=len(rank.grid.frame.cell))
+            )
+        ]
         return np.unique(np.concatenate(found))
 
     def field_of(self, keys: np.ndarray) -> np.ndarray:
@@ -76,24 +112,18 @@ class Vertices(NamedTuple):
 
     def shifted(self, keys: np.ndarray) -> np.ndarray:
         """Keys of the vertices within `REACH` of each, -1 beyond the grid, (n, (2 REACH + 1)^D)."""
-        frame = self.rank.grid.frame
-        D, most = len(frame.cell), (*frame.vertices, 1, 1)[:3]
-        ny, nz, fields = self.sizes(self.rank)
-        *place, field = self.numbers(self.rank, keys)
+        D = len(self.rank.grid.frame.cell)
+        *place, field = (each[:, None] for each in self.numbers(self.rank, keys))
         steps = np.array([*product(range(-REACH, REACH + 1), repeat=D)])
-        found = np.zeros((len(keys), len(steps)), np.int64)
-        inside = np.ones(found.shape, bool)
-        for d, size in enumerate((1, ny, nz)):
-            at = place[d][:, None] + (steps[None, :, d] if d < D else 0)
-            inside &= (at >= 0) & (at < most[d])
-            found = found * size + at
-        return np.where(inside, found * fields + field[:, None], -1)
+        moved = [at + (steps[None, :, d] if d < D else 0) for d, at in enumerate(place)]
+        return self.joined(self.rank, moved, field)
 
     def find(self, keys: np.ndarray, owned: int) -> tuple[tuple[np.ndarray, ...], np.ndarray]:
         """Places (plane, field, y, z) of vertices that the rank owns, and which these are."""
-        window = self.rank.grid.window
+        window, ring = self.rank.grid.window, self.rank.scene.domain.ring_layers
         x, y, z, field = self.numbers(self.rank, keys)
         i, j, k = (each - low for each, low in zip((x, y, z), window.lower, strict=True))
+        i = i % ring if ring else i
         there = (i >= 0) & (i < owned) & (j >= 0) & (j < window.extent[1])
         there &= (k >= 0) & (k < window.extent[2])
         return (i[there], field[there], j[there], k[there]), np.flatnonzero(there)
@@ -127,8 +157,9 @@ def choose_masters(
     members = ((firsts[:, None] + corners + REACH) * digits).sum(axis=2)
     # Weights of a cell's vertices at a slave, which is -first cells from its lower corner.
     each = np.where(corners[None] == 1, -firsts[:, None], 1 + firsts[:, None]).prod(axis=2)
-    cost = np.abs(each).sum(axis=1).astype(float)
     middle = firsts + 0.5
+    # Of cells that are as good the same one on both sides of a plane of symmetry.
+    cost = np.abs(each).sum(axis=1) + _TIE * np.abs(middle) @ np.arange(1.0, 1.0 + D)
     middle /= np.sqrt((middle * middle).sum(axis=1))[:, None]
     steps = np.array([*product(range(-REACH, REACH + 1), repeat=D)])
     near = (np.abs(steps) <= 1).all(axis=1)
@@ -150,6 +181,8 @@ def choose_masters(
         for d in range(D):
             for column in np.flatnonzero(near):
                 inward[:, d] += volume[:, column] * steps[column, d]
+        for axis, number in vertices.faces:  # beyond it are images
+            inward[place[axis][some] == number, axis] = 0.0
         size = np.sqrt((inward * inward).sum(axis=1))
         inward /= np.where(size > 0.0, size, 1.0)[:, None]
         along = np.zeros(good.shape)

@@ -21,8 +21,13 @@ import numpy as np
 from pgimp.errors import CaseError
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_MASS, KEPT_VELOCITY
-from pgimp.kernels.data.record import FORCE, MASS, RECORD
-from pgimp.kernels.lagrangian.slaves import fold_vectors, spread_vectors
+from pgimp.kernels.data.record import FORCE, RECORD
+from pgimp.kernels.lagrangian.slaves import (
+    fold_vectors,
+    leave_to_masters,
+    spread_vectors,
+    take_vectors,
+)
 from pgimp.kernels.sums.sums import ANGULAR, KINETIC
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
@@ -34,14 +39,12 @@ from pgimp.solver.vertices import StepPart, VertexUpdate
 #: Part of a cell below which a vertex is a slave.
 LEAST = 0.05
 
-_FORCE = slice(FORCE, FORCE + 3)
-
 
 class Rows(NamedTuple):
     """Where a rank has the slaves and their masters, until its planes or its window change."""
 
-    #: slaves, own: (n,) int64: Number of each slave's record, -1 where the rank has none; whether
-    #: the rank owns it.
+    #: slaves, own: (n,) int64: Number of each slave's record, -1 where the rank has none; likewise
+    #: of those that it owns.
     slaves: np.ndarray
     own: np.ndarray
     masters: np.ndarray  #: (m,) int64: Likewise of all masters.
@@ -57,6 +60,8 @@ class Rows(NamedTuple):
     #: records, layers: (c,) int64.
     records: np.ndarray
     layers: np.ndarray
+    #: (k, 2) int64: Records of both copies of what is at the ends of a ring of one rank.
+    copies: np.ndarray
 
 
 class Slaves(StepPart):
@@ -136,7 +141,7 @@ class Slaves(StepPart):
         self.keys, self.weights = keys[chosen], weights[chosen]
         numbers, self.of = np.unique(masters[chosen], return_inverse=True)
         self.of = self.of.reshape(self.weights.shape)
-        self.masters = known[numbers]
+        self.masters, self._mass = known[numbers], folded[numbers]
         self._find_changes(own[:, row[chosen]])
         folded[row[chosen]] = 0.0
         light = np.concatenate([self.keys, self.free])
@@ -157,7 +162,12 @@ class Slaves(StepPart):
         self._changes = keys, bodies, values
 
     def fold_masses(self, rank: RankState) -> None:
-        """Add the kept masses of slaves to their masters'."""
+        """Add the kept masses of slaves to their masters'.
+
+        Those of copies at seams across y and z stay parts, by which steps join them.
+        """
+        if rank.scene.domain.seams:
+            return
         rows, records = self._located(rank), rank.grid.kept.values.reshape(-1, RECORD)
         keys, _, changes = self._changes
         slaves = np.isin(keys, self.keys)
@@ -165,22 +175,21 @@ class Slaves(StepPart):
         there = (at >= 0) & ~slaves
         np.add.at(records[:, KEPT_MASS], at[there], changes[there])
         records[rows.slaves[rows.slaves >= 0], KEPT_MASS] = 0.0
+        records[rows.copies[:, 1], KEPT_MASS] = records[rows.copies[:, 0], KEPT_MASS]
 
     def add_forces(self, rank: RankState, update: VertexUpdate) -> None:
         """Add the forces on slaves to their masters'; see `StepPart.add_forces`."""
         if not needed(len(self.keys)):
             return
-        rows, G = self._located(rank), rank.grid.G.reshape(-1, RECORD)
-        kept = rank.grid.kept.values.reshape(-1, RECORD)
-        force = np.zeros((len(self.keys), 3))
-        force[rows.own] = G[rows.slaves[rows.own], _FORCE]
+        rows, grid = self._located(rank), rank.grid
+        force = np.empty((len(self.keys), 3))
+        rank.call(take_vectors, grid.G, FORCE, rows.own, force)
         self._exchange(force, rows, 0)
         to = self.of, self.weights, rows.masters
-        rank.call(fold_vectors, rank.grid.G, FORCE, force, *to)
-        here = rows.slaves[rows.slaves >= 0]
-        G[here, _FORCE] = 0.0
-        for each in (here, rows.masters[rows.masters >= 0]):
-            G[each, MASS] = kept[each, KEPT_MASS]
+        rank.call(fold_vectors, grid.G, FORCE, force, *to)
+        rank.call(leave_to_masters, grid.G, self._mass, rows.slaves, rows.masters)
+        records = grid.G.reshape(-1, RECORD)
+        records[rows.copies[:, 1]] = records[rows.copies[:, 0]]
 
     def spread(self, rank: RankState, values: np.ndarray, first: int) -> None:
         """Set vectors at slaves to what their masters' give; collective.
@@ -195,11 +204,12 @@ class Slaves(StepPart):
         if not needed(len(self.keys)):
             return
         rows = self._located(rank)
-        known = np.zeros((len(self.masters), 3))
-        there = rows.masters >= 0
-        known[there] = values.reshape(-1, RECORD)[rows.masters[there], first : first + 3]
+        known = np.empty((len(self.masters), 3))
+        rank.call(take_vectors, values, first, rows.masters, known)
         self._exchange(known, rows, 1)
         rank.call(spread_vectors, values, first, known, self.of, self.weights, rows.slaves)
+        records, vector = values.reshape(-1, RECORD), slice(first, first + 3)
+        records[rows.copies[:, 1], vector] = records[rows.copies[:, 0], vector]
 
     def complete_sums(
         self, rank: RankState, some: Collection[int] | None, sums: np.ndarray
@@ -224,7 +234,7 @@ class Slaves(StepPart):
         v = motion[:, KEPT_VELOCITY : KEPT_VELOCITY + 3]
         x = self._places(rank, self._changes[0][rows.changed[counted]])
         x += motion[:, DISPLACEMENT : DISPLACEMENT + 3]
-        for d in range(3):
+        for d in range(0 if self.scene.case.axisymmetric else 3):
             i, j = (d + 1) % 3, (d + 2) % 3
             about = mass * (x[:, i] * v[:, j] - x[:, j] * v[:, i])
             np.add.at(sums[..., ANGULAR + d], (layer, bodies), about)
@@ -240,12 +250,13 @@ class Slaves(StepPart):
 
     def _records(self, rank: RankState, keys: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Numbers of the records of vertices, -1 where the rank has none; and their planes."""
-        grid = rank.grid
+        grid, ring = rank.grid, rank.scene.domain.ring_layers
         x, y, z, field = Vertices.numbers(rank, keys)
         (i, j, k), extent = (
             (each - low for each, low in zip((x, y, z), grid.window.lower, strict=True)),
             (grid.planes, *grid.window.extent[1:]),
         )
+        i = i % ring if ring else i
         there = (i >= 0) & (i < extent[0]) & (j >= 0) & (j < extent[1])
         there &= (k >= 0) & (k < extent[2])
         stride = [s // RECORD for s in grid.window.stride]
@@ -258,7 +269,7 @@ class Slaves(StepPart):
         if self._field is rank.grid.field:
             return self._rows
         self._field = rank.grid.field
-        owned, slab = rank.grid.owned, rank.slab
+        owned, slab, ring = rank.grid.owned, rank.slab, rank.scene.domain.ring_layers
         slaves, i = self._records(rank, self.keys)
         masters, k = self._records(rank, self.masters)
         changes, n = self._records(rank, self._changes[0])
@@ -266,18 +277,26 @@ class Slaves(StepPart):
         own, mine = (slaves >= 0) & (i < owned), (masters >= 0) & (k < owned)
         # Whatever is this near to the end of a slab may be of use to other ranks.
         ends = self.comm.allgather((slab.first, slab.first + owned) if owned else ())
-        edges = np.unique([end for each in ends for end in each])[1:-1]
+        edges = np.unique([end for each in ends for end in each])
+        edges = edges[1:-1] if not ring or len(edges) < 3 else edges
         near, have = [], []
         for keys, here in ((self.keys, own), (self.masters, mine)):
             x = Vertices.numbers(rank, keys)[0]
             apart = np.abs(x[:, None] - edges[None]) if len(edges) else np.full((len(x), 1), 99)
+            apart = np.minimum(apart, ring - apart) if ring and len(edges) else apart
             near.append(np.flatnonzero(apart.min(axis=1) <= 2 * REACH))
             have.append(near[-1][here[near[-1]]])
         counts = np.array(self.comm.allgather([len(each) for each in have])).T
         layers = np.minimum(n[changed], max(slab.layers - 1, 0))
+        twice = [
+            here[(here >= 0) & (plane + ring < rank.grid.planes)]
+            for here, plane in ((slaves, i), (masters, k))
+        ]
+        first = np.concatenate(twice)[:, None] if ring else np.zeros((0, 1), np.int64)
+        copies = np.hstack([first, first + ring * (rank.grid.window.stride[0] // RECORD)])
         self._rows = Rows(
-            slaves, own, masters, (near[0], near[1]), (have[0], have[1]), counts,
-            changed, changes[changed], layers,
+            slaves, np.where(own, slaves, -1), masters, (near[0], near[1]), (have[0], have[1]),
+            counts, changed, changes[changed], layers, copies,
         )  # fmt: skip
         return self._rows
 

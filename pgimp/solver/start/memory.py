@@ -141,8 +141,9 @@ def estimate(
     occupied = min(extent[0], sum(body.boxes[0] / per_cell[0] + s for body in bodies))
     # A layer's own planes; deferred sums at both ends, and received ones.
     beside = s + (1.5 * s * (s - 1) if ranks > 1 else 0)
+    vertices = " x ".join(str(n) for n in extent[1:]) or "1"
     grid = Part(
-        f"the grid's window of {' x '.join(str(n) for n in extent[1:]) or 'a'} vertices a plane",
+        f"the grid's window, {vertices} {'vertex' if vertices == '1' else 'vertices'} a plane",
         (occupied * share + beside) * plane,
         "larger cells (grid.cell), or bodies that lie closer together across x",
     )

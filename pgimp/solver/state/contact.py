@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pgimp.solver.rank import Rank
 
 #: Datasets of a checkpoint.
-FIELDS, FORCES = "velocity-fields", "contact-forces"
+FIELDS, FORCES, PUSHED = "velocity-fields", "contact-forces", "contact-accelerations"
 
 #: Columns of the forces that are whole numbers, of vertices and bodies, and their bound.
 _NUMBERS, _GREATEST = 5, 2.0**52
@@ -24,7 +24,7 @@ _NUMBERS, _GREATEST = 5, 2.0**52
 def stored_contact(rank: Rank, source: CheckpointFile, read: Callable) -> dict[str, np.ndarray]:
     """What a checkpoint has of the state of contact, by name; `read` reads a dataset by its shape.
 
-    An older one has neither: fields are assigned anew, and the next step begins at zero forces.
+    An older one has none: fields are assigned anew, and the next step begins at zero forces.
 
     Raises
     ------
@@ -44,6 +44,10 @@ def stored_contact(rank: Rank, source: CheckpointFile, read: Callable) -> dict[s
         if (numbers != np.floor(numbers)).any() or (abs(numbers) > _GREATEST).any():
             raise DamagedError("its forces of contact are at no vertices")
         found[FORCES] = forces
+    if rank.averaged_mass and PUSHED in source.whole:
+        found[PUSHED] = read(source, PUSHED, (*source.whole[PUSHED][1][:1], 4))
+        if (np.ascontiguousarray(found[PUSHED][:, 0]).view(np.int64) < 0).any():
+            raise DamagedError("its accelerations by contact are at no vertices")
     return found
 
 
@@ -53,3 +57,5 @@ def restore_contact(rank: Rank, found: dict[str, np.ndarray]) -> None:
         rank.contact.restore(rank, found[FIELDS])
     if FORCES in found:
         rank.contact.restore_forces(found[FORCES])
+    if PUSHED in found:
+        rank.averaged_mass.restore(found[PUSHED])

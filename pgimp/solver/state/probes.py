@@ -15,9 +15,10 @@ import numpy as np
 
 from pgimp.decomposition.population import Population
 from pgimp.physics.columns import FOLLOWED, PLACE, Around
-from pgimp.physics.derived import OF_STRESS
+from pgimp.physics.derived import OF_STRESS, RECOVERED
 from pgimp.physics.fields import FIELDS, TENSOR, volume
 from pgimp.solver.lagrangian.pieces import source_at
+from pgimp.solver.state.recovered_stress import recovered_stresses
 from pgimp.storage.framefile import blocks
 
 if TYPE_CHECKING:
@@ -49,10 +50,16 @@ class Point:
         Where its displacement counts from.
     fields : sequence of str
         Derived fields that it has besides.
+    at : sequence of float
+        Place in the undeformed body that the case names.
     """
 
-    def __init__(self, number: int, origin: Sequence[float], fields: Sequence[str] = ()) -> None:
-        self.number = number
+    def __init__(
+        self, number: int, origin: Sequence[float], fields: Sequence[str] = (),
+        at: Sequence[float] = (),
+    ) -> None:  # fmt: skip
+        self.number, self.at = number, tuple(at)
+        self.recovered = np.zeros((1, 6))  # of the line that is due
         self.fields = tuple(fields)
         self.origin = tuple(origin)
         #: Whether it has left all ranks, and its row on this rank, else -1.
@@ -92,6 +99,8 @@ class Point:
             if name == "displacement":
                 now = scene.fields[place].values(source)[0, : scene.dimension]
                 found.append(now - self.origin)
+            elif name == RECOVERED:
+                found.append(self.recovered[0, list(components)])
             else:
                 values = np.atleast_1d(scene.fields[name].values(source)[0])
                 found.append(values[list(components)])
@@ -235,7 +244,7 @@ def nearest(
             best: Any = (float(distance[k]), int(p.id[rows[k]]), tuple(undeformed[k].tolist()))
             found = min(found, best) if found[1] >= 0 else best
     _, number, origin = min(each for each in sim.comm.allgather(found) if each[1] >= 0)
-    return Point(number, origin, fields)
+    return Point(number, origin, fields, at)
 
 
 def begin_at_rest(sim: SimulationProgress, points: Sequence[Point]) -> None:
@@ -264,10 +273,33 @@ def _find(sim: SimulationProgress, points: Sequence[Point]) -> None:
                 point.gone = not there
 
 
+def _recover(sim: SimulationProgress, points: Sequence[Point]) -> None:
+    """Find the recovered stresses of points, at their places in the case; collective.
+
+    These are within half a cell of the particle.
+    """
+    if not points:
+        return
+    p, half = sim.population.columns, 0.5 * np.array(sim.scene.domain.frame.cell)
+    mine = [point for point in points if point.row >= 0]
+    rows = np.array([point.row for point in mine], np.int64)
+    x = p.origin[rows]
+    for i, point in enumerate(mine):
+        away = np.array(point.at) - x[i]
+        for d, period in enumerate(sim.scene.domain.periods):
+            away[d] -= np.round(away[d] / period) * period if period > 0.0 else 0.0
+        x[i] += np.clip(away, -half, half)
+    stress = recovered_stresses(sim.rank, x, p.body[rows])
+    for point, values in zip(mine, stress, strict=True):
+        point.recovered[0, : len(values)] = values
+
+
 def sample(sim: SimulationProgress, probes: Sequence[Point | Place]) -> list[Line]:
     """Lines of probes about the current state on rank 0, empty elsewhere; collective."""
     comm = sim.comm
-    _find(sim, [probe for probe in probes if isinstance(probe, Point) and not probe.gone])
+    points = [probe for probe in probes if isinstance(probe, Point) and not probe.gone]
+    _find(sim, points)
+    _recover(sim, [point for point in points if RECOVERED in point.fields])
     parts = comm.gather([probe.own(sim) for probe in probes])
     if parts is None:
         return []

@@ -18,7 +18,7 @@ from pgimp.solver.damping.relaxation import Relaxation
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.lagrangian.pieces import source_at
 from pgimp.solver.rank import Rank
-from pgimp.solver.state.contact import FIELDS, FORCES
+from pgimp.solver.state.contact import FIELDS, FORCES, PUSHED
 from pgimp.solver.state.stored_motion import MOTION, MOTION_PLANES, stored_motion
 from pgimp.solver.time.clock import CourantClock, FixedClock, Step
 from pgimp.solver.time.energy_watch import EnergyWatch
@@ -238,6 +238,8 @@ def capture(
         whole["free-bodies"] = np.array([state.numbers for state in rank.free.states])
     if rank.grips:
         whole["grips"] = rank.grips.state
+    if rank.averaged_mass:
+        whole[PUSHED] = rank.averaged_mass.state
     if rank.absorbing:
         whole |= rank.absorbing.datasets()
     whole[FIELDS] = rank.contact.assignment

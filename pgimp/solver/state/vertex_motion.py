@@ -79,6 +79,9 @@ def begin_motion(rank: Rank, gradients: np.ndarray | None = None) -> None:
     if rank.slaves:
         _find_slaves(rank)
         rank.slaves.spread(rank, grid.kept.values, KEPT_VELOCITY)
+        for seam in scene.domain.seams:
+            inside, beyond = grid.copies(grid.by_vertex(grid.kept.values), seam.axis)
+            beyond[..., _VELOCITY] = inside[..., _VELOCITY]
     if particles.L.shape[1] and not scene.carried.affine:
         rank.drop_gradients()
 
@@ -136,19 +139,31 @@ def _find_slaves(rank: Rank) -> None:
         edges = np.concatenate([[0], np.cumsum(mine)])[order.start]
         mass, momentum = _sums(rank, Order(order.rows[mine], edges))
         field = velocity_field(grid, b)
-        masses[b] = mass[:, field]
-        volume[:, field] += momentum[:, field, ..., 0]
+        masses[b] = _joined(rank, mass)[:, field]
+        volume[:, field] += _joined(rank, momentum)[:, field, ..., 0]
         exact[:, field] |= (masses[b] > 0.0) & scene.settings.exact_surfaces[b]
     particles.v[:] = v
-    held = volume / np.prod(scene.domain.frame.cell)
-    keys = vertex_keys(grid, shape[1]).transpose(0, 3, 1, 2)
     frame = scene.domain.frame
+    keys = vertex_keys(grid, shape[1]).transpose(0, 3, 1, 2)
+    *place, fields = Vertices.numbers(rank, keys)
+    for seam in scene.domain.seams:  # of both copies the one inside counts
+        exact &= place[seam.axis] < frame.ghost + frame.cells[seam.axis]
+    keys, held = Vertices.joined(rank, place, fields), volume / np.prod(frame.cell)
+    if scene.case.axisymmetric:  # whole cells of rings; of those on the axis the mean radius is h/6
+        r = frame.origin[0] + (place[0] - frame.ghost) * frame.cell[0]
+        held /= 2.0 * np.pi * np.maximum(r, frame.cell[0] / 6.0)
     faces = [
         (face.axis, frame.ghost + (frame.cells[face.axis] if face.side > 0 else 0))
         for face in scene.domain.faces
     ]
+    for axis, number in faces:  # half of what they hold is beyond
+        if not (scene.case.axisymmetric and axis == 0 and number == frame.ghost):
+            held[place[axis] == number] *= 2.0
     rank.slaves.find(rank, Vertices(rank, keys, held, exact, faces), masses)
     rank.slaves.fold_masses(rank)
+    if rank.mean_dilatation:
+        rank.mean_dilatation.find(rank)
+        rank.outdate_cells()
 
 
 def _forget_unreached(rank: Rank) -> None:

@@ -35,6 +35,8 @@ from pgimp.utilities.model.sample_cases import resized
 _MAX_PARTICLES = 20_000
 #: Steps that are watched, and those of a block: some parts act in every eighth.
 _STEPS, _BLOCK = 72, 8
+#: What is done from the end of a step to the beginning of the next one.
+_BETWEEN = "between steps", "maxima of all ranks, guard of the energy, rows sorted anew, windows"
 #: Further factors on the cells of a sample, for cases that a coarse grid does not fit.
 _POWERS = (1.0, 0.9, 0.8, 0.7)
 
@@ -89,6 +91,7 @@ class Watch:
 
     def __init__(self, sim: Simulation) -> None:
         self._sim, self._part, self._phase, self._noting = sim, "", 0, 0.0
+        self._begin = 0.0
         self._order: list[Key] = []
         self._last = -1
         self.steps = 0
@@ -104,9 +107,12 @@ class Watch:
             if part := getattr(rank, name):
                 self._hook(part, StepPart, name)
         self._hook(rank.contact, NoContact, "contact")
+        if sim.watch:
+            sim.watch.look = self._noted(sim.watch.look, "watch.look", first_line(sim.watch.look))  # type: ignore[method-assign]
         with observed(self._note):
             while self.steps < _STEPS and not sim.stage_done:
                 sim.advance()
+                self._end_phase(*_BETWEEN)
                 self.steps += 1
 
     def ordered(self) -> list[tuple[Key, Row]]:
@@ -121,17 +127,20 @@ class Watch:
     def _laps(self, lap: Callable[[str], None]) -> Callable[[str], None]:
         """Begin a step: its phases have numbers, in the order in which they end."""
         self._phase, self._last = 0, -1
-        begin = self._now()
+        self._begin = self._now()
 
         def next_lap(phase: str) -> None:
-            nonlocal begin
             lap(phase)
-            now = self._now()
-            self.phases[self._phase] = phase
-            self._row((self._phase, "", ""), PHASES[phase]).add(self.steps, now - begin)
-            self._phase, begin = self._phase + 1, self._now()
+            self._end_phase(phase, PHASES[phase])
 
         return next_lap
+
+    def _end_phase(self, phase: str, meaning: str) -> None:
+        """Add the time since the last phase to the next one."""
+        now = self._now()
+        self.phases[self._phase] = phase
+        self._row((self._phase, "", ""), meaning).add(self.steps, now - self._begin)
+        self._phase, self._begin = self._phase + 1, self._now()
 
     def _row(self, key: Key, meaning: str) -> Row:
         """The row of a key; a new one comes after the one before it in this step."""
@@ -229,9 +238,12 @@ def _sentence(text: str) -> str:
     return re.sub(r"^.*? or \(\): ", "", text).split(". ")[0].rstrip(".")
 
 
-def watched(case: Case, count: int) -> tuple[Watch, Simulation] | str:
-    """Watch steps of a case, or of a smaller one like it; the reason if that cannot be."""
-    if case.start.settle:  # its steps are not of the time
+def watched(case: Case, count: int, settling: bool = False) -> tuple[Watch, Simulation] | str:
+    """Watch steps of a case, or of a smaller one like it; the reason if that cannot be.
+
+    They are those of the time, or, while the start is `settling`, those before it.
+    """
+    if case.start.settle and not settling:
         start = case.start.model_copy(update={"settle": None})
         case = case.model_copy(update={"start": start})
     factor, reason = max(1.0, (count / _MAX_PARTICLES) ** (1.0 / case.dimensions)), ""
@@ -261,18 +273,40 @@ def report_program(case: Case, count: int) -> None:
         f"a step           in its order; median of {watch.steps} steps{which} with "
         f"{sim.rank.count:,} particles, {numbers['vertex']:,} vertices of planes in use"
     )
+    print(
+        "                 phases are those of the log, with their sums; one comes again where the "
+        "step comes back to it"
+    )
     features: dict[str, str] = {}
     for (phase, part, name), row in watch.ordered():
-        number, seconds = numbers.get(row.per, 0), row.step(watch.steps)
-        time = f"{1e6 * seconds:.3g} us"
-        if number:
-            time = f"{1e9 * seconds / number:.3g} ns a {row.per}"
-        if not seconds:
-            time = f"{row.steps} of {watch.steps} steps"
+        time = _time(row, watch.steps, numbers.get(row.per, 0))
         indent = " " * (2 + 2 * bool(name) + 2 * bool(part))
         print(f"{indent + (name or watch.phases[phase]):<34} {time:<20} {row.meaning}")
         features |= row.features
+    if case.start.settle:
+        _report_settling(case, count, watch)
     print("  what of it is compiled in for this scene:")
     for name, meaning in features.items():
         if meaning:
             print(f"    {name:<29} {meaning}")
+
+
+def _time(row: Row, steps: int, number: int = 0) -> str:
+    """Time in a step, for each of some particles or vertices; or how many of the steps have it."""
+    if not (seconds := row.step(steps)):
+        return f"{row.steps} of {steps} steps"
+    return f"{1e9 * seconds / number:.3g} ns a {row.per}" if number else f"{1e6 * seconds:.3g} us"
+
+
+def _report_settling(case: Case, count: int, watch: Watch) -> None:
+    """Print what a step to rest has that one of the time has not, and the other way round."""
+    if isinstance(found := watched(case, count, True), str):
+        print(f"a step to rest   its parts are unknown, no sample can be run: {found}")
+        return
+    own = {key[2]: row for key, row in found[0].ordered() if key[2]}
+    plain = {key[2] for key, _ in watch.ordered()}
+    missing = ", ".join(sorted(plain - {"", *own})) or "nothing"
+    print(f"a step to rest   without {missing}; and with")
+    for name, row in own.items():
+        if name not in plain:
+            print(f"    {name:<30} {_time(row, found[0].steps):<20} {row.meaning}")

@@ -3,7 +3,7 @@
 The slowest mode is at its static place after half of its period, and what begins anew after that
 takes little (docs/case-file.md#how-it-comes-to-rest). Half a period is some transits of a wave
 along a compact body, as many more as it is slender where it bends, and more in a liquid that
-sloshes.
+sloshes. Bodies that touch move together: what stands on others sways with them.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pgimp.case.schema import Case
+from pgimp.geometry.sweep import close_pairs
 from pgimp.scene.checks.facts import BodyFacts
 from pgimp.scene.checks.supports import greatest
 from pgimp.solver.time.clock import Step, settling_clock
@@ -23,6 +24,9 @@ from pgimp.solver.time.clock import Step, settling_clock
 #: most over the slenderness of one that bends. Half periods in which a liquid rests. Measured by
 #: `scripts/quiet settle`, rounded outwards.
 _FEWEST, _COMPACT, _BENDING, _SLOSHING = 4.0, 8.0, 9.0, 3.0
+
+#: Tolerance of those measurements, and steps that each further tenth of it takes, as a part.
+_TOLERANCE, _DECADE = 1e-4, 0.5
 
 
 class Settling(NamedTuple):
@@ -58,12 +62,28 @@ def settling_steps(case: Case, bodies: Sequence[BodyFacts]) -> Settling:
     dt = settling_clock(case).next(Step(0, 0.0, 0.0, 0.0), rate).dt
     low, high = 0.0, 0.0
     for body in there:
-        transit = body.extent / body.wave_speed
-        slender = body.extent / min(body.sizes)
-        low = max(low, _FEWEST * transit)
-        high = max(high, max(_COMPACT, _BENDING * slender) * transit, _sloshing(case, body))
+        low = max(low, _FEWEST * body.extent / body.wave_speed)
+        high = max(high, _sloshing(case, body))
+    for some in _together(there, case.grid.cell):
+        sizes = np.max([b.high for b in some], axis=0) - np.min([b.low for b in some], axis=0)
+        slender = max(max(each) / min(each) for each in (sizes, *(body.sizes for body in some)))
+        transit = sizes.max() / min(body.wave_speed for body in some)
+        high = max(high, max(_COMPACT, _BENDING * slender) * transit)
+    high *= 1.0 + _DECADE * max(0.0, log10(_TOLERANCE / settle.tolerance))
     low, high = (float(min(max(time / dt, 1.0), settle.steps)) for time in (low, high))
     return Settling(low, high)
+
+
+def _together(bodies: Sequence[BodyFacts], cell: Sequence[float]) -> list[list[BodyFacts]]:
+    """Groups of bodies whose boxes touch, up to a cell."""
+    low, high = (np.array([getattr(body, end) for body in bodies]) for end in ("low", "high"))
+    group = np.arange(len(bodies))
+    first, second = close_pairs(low, high, np.array(cell)).T
+    apart = np.maximum(low[first] - high[second], low[second] - high[first])
+    touch = (apart <= cell).all(axis=1)
+    for a, b in zip(first[touch], second[touch], strict=True):
+        group[group == group[b]] = group[a]
+    return [[bodies[n] for n in np.flatnonzero(group == g)] for g in np.unique(group)]
 
 
 def _sloshing(case: Case, body: BodyFacts) -> float:

@@ -59,11 +59,10 @@ def exact_surfaces(rng, scene):
     bodies, method, walls = case["bodies"], case["method"], case["boundaries"]
     if (
         case["dimensions"] == 1
-        or case.get("geometry") == "axisymmetric"
         or method.get("volumetric") == "mean"
         or method["shape"] not in ("gimp", "finite-gimp", "mpm", "cpdi")
         or "contact" in case
-        or any(kind == "periodic" or "separating" in kind for kind in walls.values())
+        or any("separating" in kind for kind in walls.values())
         or any(body.get("configuration") != "initial" for body in bodies.values())
         or not all(_thick(body, case["grid"]["cell"]) for body in bodies.values())
     ):

@@ -70,6 +70,7 @@ class Seen:
         with (
             mock.patch.object(stepping, "sum_particles", summed),
             mock.patch.object(base, "update_momentum", updated),
+            mock.patch.object(base.NoContact, "by_planes", False),  # all forces come first
             mock.patch.object(particle_groups, "grid_to_particles", taken),
             mock.patch.object(LagrangianContact, "exchange", exchanged),
         ):

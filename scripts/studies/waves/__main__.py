@@ -2,7 +2,7 @@
 
 import numpy as np
 from studies.harness import options_of, origin, table
-from studies.waves import bars, bodies, dispersion
+from studies.waves import bars, bodies, dispersion, impacts, lasting, standing
 
 MASSES = ("lumped", "averaged")
 
@@ -24,9 +24,10 @@ def speeds():
 
 def main():
     """Measure what is asked for, and print its tables."""
-    what = {"nargs": "*", "among": ("numbers", "speeds", "pulse", "bodies"), "metavar": "WHAT"}
-    options = options_of("waves", what=what)
-    chosen = options.what or what["among"][1:]
+    names = "numbers", "speeds", "pulse", "bodies", "standing", "impacts", "long"
+    what = {"nargs": "*", "among": names, "metavar": "WHAT"}
+    options = options_of("waves", what=what, steps={"type": int, "default": 100_000})
+    chosen = options.what or names[1:-1]
     measured = f"Measured by `scripts/waves` on one core of {origin()}."
     if "numbers" in chosen:
         for shape in ("gimp", "bspline-quadratic", "fuzzy-nearest", "fuzzy-constant"):
@@ -38,6 +39,17 @@ def main():
         print(table(titles, speeds(), measured))
     if "pulse" in chosen:
         print(table(["mass", "error after 10 lengths", "height"], bars.rows(), measured))
+        titles = ["mass", "front, cells from 0.9 to 0.1", "overshoot"]
+        print(table(titles, bars.front_rows(), measured))
     if "bodies" in chosen:
         titles = ["body", "lumped, rms [%]", "averaged, rms [%]", "highest frequency over lumped"]
         print(table(titles, bodies.rows(), measured))
+    if "standing" in chosen:
+        print(table(["wave", "lumped", "averaged"], standing.rows(), measured))
+    if "impacts" in chosen:
+        titles = ["bars", "Courant", "speed left, lumped", "averaged", "energy lost, lumped",
+                  "averaged"]  # fmt: skip
+        print(table(titles, impacts.rows(), measured))
+    if "long" in chosen:
+        titles = ["scene", "Courant", "mass", "energy", "its drift", "spin", "momentum"]
+        print(table(titles, lasting.rows(options.steps), measured))

@@ -82,3 +82,11 @@ def test_exact_elements_end_at_edges_and_regions(D):
     within = find_elements(lattice, part, (0, 16))
     area = 1.68 * np.prod(sides[2:])
     np.testing.assert_allclose(within.area.sum(axis=0)[1], area, rtol=1e-12)
+
+
+@pytest.mark.parametrize("D", [2, 3])
+def test_pieces_of_exact_bodies_close_to_rounding(D):
+    """Planes of regions cut boxes into pieces of many sizes, whose faces have the same areas."""
+    lattice = body(Ball(center=[4.1, 4.2, 3.9][:D], radius=2.53), D, exact=True)
+    area = find_elements(lattice, EVERYWHERE[D], (0, 16)).area
+    np.testing.assert_allclose(area.sum(axis=0), 0.0, atol=1e-11)

@@ -80,13 +80,22 @@ def remade(case, **materials):
     return case
 
 
+def exact(case):
+    """The case with bodies exact to their surface."""
+    case = deepcopy(case)
+    for body in case["bodies"].values():
+        body["surface"] = "exact"
+    return case
+
+
 CASES |= {
     "metal": remade(CASES["contact"], soft=VISCOUS, hard=METAL, mean=True),
     "metal in space": remade(CASES["planes of six"], soft=METAL | {"yield-stress": 0.3}, mean=True),
 }
+CASES |= {"exact": exact(disks()), "exact in space": exact(CASES["space"])}
 del CASES["space"]
 #: Those with kernels of three dimensions.
-IN_SPACE = ("planes of six", "metal in space")
+IN_SPACE = ("planes of six", "metal in space", "exact in space")
 
 
 @pytest.mark.parametrize(

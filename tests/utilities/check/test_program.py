@@ -13,8 +13,9 @@ from pgimp.solver.parts import PARTS
 from pgimp.solver.rank import PHASES
 from pgimp.utilities.check.program import Watch, meanings_of, report_program, watched
 
-#: The laps of `pgimp.solver.step`, on one rank.
-ORDER = "contact P2G exchange contact momentum contact momentum P2G G2P migrate migrate order"
+#: The laps of `pgimp.solver.step`, on one rank, and what comes after a step.
+LAPS = "contact P2G exchange contact momentum contact momentum P2G G2P migrate migrate order"
+ORDER = [*LAPS.split(), "between steps"]
 
 
 def bar(**parts):
@@ -55,7 +56,7 @@ def test_the_program_is_that_of_the_run(made):
     assert Bound.__call__ is by_bound and "__call__" not in vars(CPUDispatcher)
 
     rows = watch.ordered()
-    assert [watch.phases[n] for n in sorted(watch.phases)] == ORDER.split()
+    assert [watch.phases[n] for n in sorted(watch.phases)] == ORDER
     here = {name for name in PARTS if getattr(plain.rank, name)}
     assert {key[2].split(".")[0] for key, _ in rows if "." in key[2]} - {"contact"} == here
     names = [key[2] for key, _ in rows]
@@ -78,13 +79,29 @@ def test_it_is_printed(capsys):
     report_program(case, 10)
     lines = capsys.readouterr().out.splitlines()
     assert "72 steps with 10 particles, " in lines[0]
+    assert "one comes again where the step comes back to it" in lines[1]
     said = [line.split()[0] for line in lines if line[:2] == "  " != line[2:4]]
-    assert said[:12] == ORDER.split() and set(said[:12]) <= set(PHASES)
+    assert said[:13] == [*LAPS.split(), "between"] and set(said[:12]) <= set(PHASES)
     (kernel,) = (line for line in lines if line.strip().startswith("grid_to_particles"))
     assert " ns a particle " in kernel and "Advance particles of a rank" in kernel
     (damping,) = (line for line in lines if line.strip().startswith("damping.add_forces"))
     assert " us " in damping and "forces of damping" in damping
     assert any(line.split()[:2] == ["law", "linear-1d"] for line in lines)
+
+
+def test_what_settles_or_is_watched_is_said(capsys):
+    """A start that comes to rest has steps of its own; `auto` a guard, between steps."""
+    case = bar(start={"settle": {}})
+    for name in ("constraints", "damping"):
+        case.pop(name)
+    case["time"]["step"] = {"courant": "auto"}
+    case["boundaries"] = {"x-min": "fixed"}
+    report_program(Case.model_validate(case), 10)
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    names = [line[0] for line in lines]
+    rest = lines.index(next(line for line in lines if line[:4] == ["a", "step", "to", "rest"]))
+    assert "watch.look" in names[names.index("between") : rest]
+    assert {"damping.add_forces", "relax"} <= set(names[rest:]) - set(names[:rest])
 
 
 def test_a_run_of_three_steps(capsys):

@@ -11,6 +11,7 @@ from pgimp.case.escape import Sink
 from pgimp.case.gauges import LevelGauge, WallGauge
 from pgimp.geometry.regions import Points
 from pgimp.physics.boundaries.slip import Slip
+from pgimp.physics.derived import RECOVERED
 from pgimp.physics.functions.entry import FunctionEntry
 from pgimp.physics.loads import BODY_FORCES
 from pgimp.physics.loads.own_stress import OwnStress
@@ -220,4 +221,16 @@ probes = named(
     "body",
     lambda entry: hasattr(entry, "body"),
     lambda entry: entry.body,
+)
+recovered = Feature(
+    "`recovered-stress`",
+    lambda output, probes: (
+        Place((*path, i))
+        for path, fields in (
+            (("output", "fields"), output.fields),
+            *((("probes", name, "fields"), entry.fields) for name, entry in probes.items()),
+        )
+        for i, field in enumerate(fields)
+        if field == RECOVERED
+    ),
 )

@@ -92,6 +92,9 @@ SCENES = (
     Exclusion(f.initial, g.entering,
         "the grid of the initial configuration moves with the body as it was at the start, and "
         "nothing can be added to it", "what enters takes configuration: current", "owner"),
+    Exclusion(g.recovered, f.in_current,
+        "is for bodies in the initial configuration, whose particles keep their neighbours, but "
+        "'{b.name}' is in the current one", "take stress"),
     Exclusion(f.averaged, f.of_points,
         "averaged is for particles with a size: points may leave a vertex of '{a.name}' hardly any "
         "mass", "take gimp, or lumped"),
@@ -103,11 +106,8 @@ SCENES = (
         Exclusion(f.exact_surface, feature, f"{why}:", "take surface: cut")
         for feature, why in (
             (f.beyond_cells, "is for particles that are points or boxes in cells, not {b.name}"),
-            (f.mean, "does not know mean dilatation yet"),
-            (f.axisymmetric, "does not know rings yet"),
             (f.points, "is for bodies on the lattice, but '{b.name}' comes from a file"),
             (f.averaged, "does not know the averaged mass yet"),
-            (g.periodic, "does not know periodic faces yet"),
         )
     ),
     # Periodic faces.

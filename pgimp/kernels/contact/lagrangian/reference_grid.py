@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.jit.memory import structure
+from pgimp.kernels.data.motion import keeps
 from pgimp.kernels.data.particles import FloatArray, IntArray
 from pgimp.kernels.data.record import ACCELERATION, MASS, VELOCITY
 from pgimp.kernels.data.velocity_fields import field_count, field_size
@@ -189,3 +190,28 @@ def change_velocities(frame, field, changes, forcing, work):
         i = number[0] - field.window.lower[0]
         if i < field.owned:
             work[i] += dt * G[r + MASS] * power
+
+
+@kernel
+def add_accelerations(frame, field, keys, accelerations, A, reach):
+    """Add accelerations of some reference vertices to those of a rank's vertices.
+
+    Parameters
+    ----------
+    keys : (m,) int64
+        The keys of vertices of all ranks.
+    accelerations : (m, 3) float64
+        What contact adds there.
+    A, reach
+        See `pgimp.kernels.lagrangian.averaged_mass.find_accelerations`.
+    """
+    window, half = field.window, field.window.stride[0] // 2
+    fields = field_count(window)
+    bits = key_bits(frame, fields)
+    for n in range(len(keys)):
+        r, _ = offset_of_key(field, bits, keys[n])
+        f = keys[n] & (1 << bits[2]) - 1
+        if r < 0 or f >= fields or not keeps(field.motion, f):
+            continue
+        for d in range(3):
+            A[reach * half + r // 2 + 1 + d] += accelerations[n, d]

@@ -154,6 +154,7 @@ class LagrangianContact(NoContact):
         rigid_bodies, free = self.rigid_bodies, self.free
         t, _, forcing, ledger = update
         ledger.contact[:, :, CONTACT_AREA] = 0.0
+        self.changes = None
         if self.scene.interaction.rigid_bodies:
             self.scene.interaction.rigid_bodies.at(
                 t.start, t.end, free.states if free else None
@@ -213,6 +214,7 @@ class LagrangianContact(NoContact):
             answers = self.rigid_bodies.responses["trial_impulse"] if self.free else np.empty(0)
             changes = share(self.comm, self._selector.root, changes, answers)
         assert changes is not None
+        self.changes = changes
         call(change_velocities, scene.domain.frame, grid.field, changes, forcing, ledger.work)
         call(book_held, holding, grid.field, changes, ledger)
 

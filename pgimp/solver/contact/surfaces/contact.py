@@ -57,7 +57,7 @@ class SurfaceContact(LagrangianContact):
         """See `NoContact.exchange`."""
         rigid_bodies, free = self.rigid_bodies, self.free
         t, _, forcing, ledger = update
-        every, self._dt = self.scene.interaction.rigid_bodies, t.dt
+        every, self._dt, self.changes = self.scene.interaction.rigid_bodies, t.dt, None
         ledger.contact[:, :, CONTACT_AREA] = 0.0
         if every:
             every.at(t.start, t.end, free.states if free else None)  # in place
@@ -121,6 +121,7 @@ class SurfaceContact(LagrangianContact):
             answers = self.rigid_bodies.responses["trial_impulse"] if self.free else np.empty(0)
             changes = share(self.comm, root, changes, answers)
         assert changes is not None
+        self.changes = changes
         call(change_velocities, frame, grid.field, changes, forcing, ledger.work)
         call(book_held, holding, grid.field, changes, ledger)
 

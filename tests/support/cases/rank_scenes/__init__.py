@@ -21,6 +21,8 @@ from rank_scenes.flights import (
 from rank_scenes.gauged import GAUGED, gauged
 from rank_scenes.initial_bodies import (
     both_configurations,
+    exact_rings,
+    exact_round,
     exact_surfaces,
     initial,
     initial_contact,
@@ -82,6 +84,8 @@ SCENES = (
             flowing,
             initial,
             exact_surfaces,
+            exact_round,
+            exact_rings,
             initial_stages,
             initial_contact,
             initial_lattice,

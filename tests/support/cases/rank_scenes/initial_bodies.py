@@ -71,6 +71,68 @@ def exact_surfaces():
     )
 
 
+def _within(cells, *regions):
+    """The part of some regions in the domain."""
+    return {"intersection": [{"union": regions}, {"box": {"min": [0.0, 0.0], "max": cells}}]}
+
+
+def exact_round():
+    """Bodies exact to their surface across seams, cut near them: a disk, and a bar with a grip."""
+    balls = [{"ball": {"centre": [x, y], "radius": 1.9}} for x in (0.3, 18.3) for y in (0.4, 9.4)]
+    bars = [
+        {"box": {"min": [low, 4.02], "max": [high, 5.97]}} for low, high in ((0, 2.6), (13.9, 18))
+    ]
+    more = {"configuration": "initial", "surface": "exact", "velocity": [1.0, 0.5]}
+    held = {"body": "bar", "region": {"box": {"min": [0.0, 4.0], "max": [0.8, 6.0]}}}
+    top = {"body": "bar", "region": {"box": {"min": [0.0, 5.0], "max": [1.7, 7.0]}}}
+    return scene(
+        2,
+        {
+            "bar": {"material": "soft", "region": _within([18.0, 9.0], *bars)} | more,
+            "disk": {"material": "stiff", "region": _within([18.0, 9.0], *balls)} | more,
+        },
+        cells=[18, 9],
+        shape="finite-gimp",
+        end=0.8,
+        step={"courant": 0.3},
+        materials=PAIR,
+        gravity=[0.0, -1.0],
+        boundaries=dict.fromkeys(("x-min", "x-max", "y-min", "y-max"), "periodic"),
+        constraints={"grip": held | {"velocity": [None, {"table": [[0.0, 0.0], [1.0, 2.0]]}]}},
+        tractions={
+            "push": top | {"pressure": 2.0, "normal": {"of": [0.0, 1.0]}},
+            "pull": {"body": "bar", "region": top["region"], "traction": [1.0, 0.0]},
+        },
+        output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},
+        history={"every": {"steps": 10}},
+    )
+
+
+def exact_rings():
+    """Rings exact to their surface: a ball on the axis across a seam, a tube with a load inside."""
+    balls = [{"ball": {"centre": [0.0, y], "radius": 1.9}} for y in (0.4, 9.4)]
+    tube = {"box": {"min": [7.03, 2.02], "max": [12.41, 5.97]}}
+    more = {"configuration": "initial", "surface": "exact"}
+    case = scene(
+        2,
+        {
+            "ball": {"material": "stiff", "region": _within([18.0, 9.0], *balls)} | more,
+            "tube": {"material": "soft", "region": tube, "velocity": [0.0, 1.0]} | more,
+        },
+        cells=[18, 9],
+        end=0.8,
+        step={"courant": 0.3},
+        materials=PAIR,
+        gravity=[0.0, -1.0],
+        boundaries={"y-min": "periodic", "y-max": "periodic"},
+        tractions={"bore": {"body": "tube", "face": "x-min", "pressure": 2.0}},
+        output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},
+        history={"every": {"steps": 10}},
+    )
+    case["geometry"] = "axisymmetric"
+    return case
+
+
 def initial_stages():
     """Bonded bodies in the initial configuration, cut off the grid's lines, in stages.
 
