@@ -25,7 +25,7 @@ from pgimp.kernels.rigid.bodies import arm_of
 from pgimp.physics.contact.base import TIED
 
 #: The length d in cells.
-FADES = 0.005
+FADES = 0.002
 
 #: Iterations for the level, at most, and the change over d that ends them.
 _NEWTON, _EXACT = 40, 1e-12
