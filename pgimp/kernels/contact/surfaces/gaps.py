@@ -27,8 +27,9 @@ _ALONG = 1e-6
 #: Part of the mean radius of a facet by which it reaches farther than a disc of its area.
 _WIDE = 1.25
 
-#: Cells by which a point may lie beside a facet's part of a box, and the same over its distance.
-_BESIDE, _BESIDE_DISTANCE = 1e-3, 0.5
+#: Cells by which a point may lie beside a facet's part of a box, and the same over its distance
+#: outside and inside. What is inside lies behind a facet, but between facets of a hole.
+_BESIDE, _BESIDE_OUTSIDE, _BESIDE_INSIDE = 1e-3, 0.5, 0.15
 
 #: Depth in cells beyond which a point is not in a surface, but in what is behind.
 DEEPEST = 0.5
@@ -160,7 +161,8 @@ def _find_gap(frame, rigid_bodies, surface, cells, u, F, near):
     for d in range(D):
         y = _own(frame, cells, c, near, d) - phi * surface.normal[f, d]
         beside = max(beside, abs(y - surface.middle[f, d]) - surface.half[f, d])
-    if beside > _BESIDE * least + _BESIDE_DISTANCE * abs(phi) or near.gap < -DEEPEST * least:
+    most = _BESIDE * least + (_BESIDE_OUTSIDE if phi > 0.0 else _BESIDE_INSIDE) * abs(phi)
+    if beside > most or near.gap < -DEEPEST * least:
         near.gap = inf
 
 
