@@ -8,7 +8,7 @@ of Y from the facet in the undeformed body, the gap is phi/|F^-T N|, and the nor
 from math import inf, sqrt
 
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
-from pgimp.kernels.contact.surfaces.motion import gradient_at, position_at, turned_normal
+from pgimp.kernels.contact.surfaces.motion import deform, set_polynomial, turned_normal
 
 #: Greatest cosine between normals of facets that meet; above `OPPOSED` they meet less readily than
 #: others: at an edge a face meets the other face that it lies on, not the one beside it. Weight of
@@ -34,8 +34,9 @@ _BESIDE, _BESIDE_OUTSIDE, _BESIDE_INSIDE = 1e-3, 0.5, 0.15
 #: Depth in cells beyond which a point is not in a surface, but in what is behind.
 DEEPEST = 0.5
 
-#: Iterations for the place in a cell, at most, and the error in cells that ends them.
-_NEWTON, _EXACT = 12, 1e-13
+#: Iterations for the place in a cell, at most, and the change in cells that ends them: the next one
+#: is its square.
+_NEWTON, _EXACT = 12, 1e-7
 
 
 @inner_kernel
@@ -91,12 +92,18 @@ def next_facet(D, surface, s, cell, f):
 
 
 @inner_kernel
-def _solve_place(frame, cells, c, x, u, F, place):
-    """Set the place in a cell, or beyond, that is at a current position; starts from `place`."""
-    D = len(frame.cell)
+def _solve_place(frame, low, x, scratch, place):
+    """Set the place in a cell, or beyond, that is at a current position; starts from `place`.
+
+    `low` is the cell's first vertex, with the displacement in `scratch`.
+    """
+    D, (F, P, y) = len(frame.cell), scratch
     for _ in range(_NEWTON):
-        y = position_at(frame, cells, c, place, u)
-        gradient_at(frame, cells, c, place, u, F)
+        for d in range(3):
+            y[d] = low[d]
+        for d in range(D):
+            y[d] += place[d] * frame.cell[d]
+        deform(frame, P, place, y, F)
         r = (x[0] - y[0], x[1] - y[1], x[2] - y[2])
         J = 0.0
         for j in range(3):
@@ -135,9 +142,9 @@ def _rigid_place(rigid_bodies, surface, x, near):
 
 
 @inner_kernel
-def _find_gap(frame, rigid_bodies, surface, cells, u, F, near):
+def _find_gap(frame, rigid_bodies, surface, cells, scratch, near):
     """Set gap, place and normal of a facet's centroid at another body's surface."""
-    D, s, f = len(frame.cell), near.facet, near.other
+    D, s, f, F = len(frame.cell), near.facet, near.other, scratch[0]
     x = (surface.now[s, 0], surface.now[s, 1], surface.now[s, 2])
     c, length = surface.cell[f], 1.0
     if c < 0:
@@ -145,7 +152,7 @@ def _find_gap(frame, rigid_bodies, surface, cells, u, F, near):
     else:
         for d in range(3):
             near.place[d] = surface.place[f, d]
-        _solve_place(frame, cells, c, x, u, F, near.place)
+        _solve_place(frame, cells.low[c], x, scratch, near.place)
         n, J = turned_normal(F, surface.normal[f]), 0.0
         for j in range(3):
             J += F[0, j] * _cofactor(F, 0, j)
@@ -173,7 +180,7 @@ def _own(frame, cells, c, near, d):
 
 
 @kernel
-def find_gaps(frame, rigid_bodies, walls, surface, cells, u, F, every):
+def find_gaps(frame, rigid_bodies, walls, surface, cells, u, scratch, every):
     """Find the gaps between facets and the other bodies next to them.
 
     Parameters
@@ -184,12 +191,12 @@ def find_gaps(frame, rigid_bodies, walls, surface, cells, u, F, every):
         The unilateral walls.
     u : (vertices, 3) float64
         Displacements of the surface vertices.
-    F : (3, 3) float64
-        Scratch.
+    scratch
+        As of `move_facets`.
     every : (n,) NEAR_FACET
         The facets; `other` is where the search for the one next to them begins.
     """
-    D = len(frame.cell)
+    D, last = len(frame.cell), -1
     for n in range(len(every)):
         near = every[n]
         s = near.facet
@@ -202,7 +209,11 @@ def find_gaps(frame, rigid_bodies, walls, surface, cells, u, F, every):
                 near.normal[d] = -1.0 * side if d == axis else 0.0
         else:
             near.other = next_facet(D, surface, s, frame.cell[0], near.other)
-            _find_gap(frame, rigid_bodies, surface, cells, u, F, near)
+            c = surface.cell[near.other]
+            if c >= 0 and c != last:
+                set_polynomial(D, cells, c, u, scratch[1])
+                last = c
+            _find_gap(frame, rigid_bodies, surface, cells, scratch, near)
         same = 0.0
         for d in range(3):
             same += surface.turned[s, d] * near.normal[d]

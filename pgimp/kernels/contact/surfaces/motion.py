@@ -15,42 +15,45 @@ def hat(D, place, corner):
 
 
 @inner_kernel
-def slope(D, place, corner, axis):
-    """Derivative of `hat` along an axis, by the place."""
-    w = 1.0 if corner >> (D - 1 - axis) & 1 else -1.0
-    for d in range(D):
-        if d != axis:
-            w *= place[d] if corner >> (D - 1 - d) & 1 else 1.0 - place[d]
-    return w
+def set_polynomial(D, cells, c, u, P):
+    """Set the coefficients of the displacement in a cell, (2^D, 3), by the factors' bits.
 
-
-@inner_kernel
-def position_at(frame, cells, c, place, u):
-    """Current position of a place in a cell, a triple; `u` are displacements of the vertices."""
-    D = len(frame.cell)
-    x, y, z = cells.low[c, 0], cells.low[c, 1], cells.low[c, 2]
-    x += place[0] * frame.cell[0]
-    y += place[1] * frame.cell[min(1, D - 1)] if D > 1 else 0.0
-    z += place[2] * frame.cell[D - 1] if D > 2 else 0.0
-    for corner in range(1 << D):
-        w, v = hat(D, place, corner), cells.corners[c, corner]
-        x, y, z = x + w * u[v, 0], y + w * u[v, 1], z + w * u[v, 2]
-    return x, y, z
-
-
-@inner_kernel
-def gradient_at(frame, cells, c, place, u, F):
-    """Set the deformation gradient, (3, 3), at a place in a cell."""
-    D = len(frame.cell)
-    for i in range(3):
-        for j in range(3):
-            F[i, j] = 1.0 if i == j else 0.0
+    Entry e is the coefficient of the product of the places along the directions of its bits, see
+    `hat`.
+    """
     for corner in range(1 << D):
         v = cells.corners[c, corner]
+        for i in range(3):
+            P[corner, i] = u[v, i]
+    for d in range(D):
+        bit = 1 << (D - 1 - d)
+        for corner in range(1 << D):
+            if corner & bit:
+                for i in range(3):
+                    P[corner, i] -= P[corner ^ bit, i]
+
+
+@inner_kernel
+def deform(frame, P, place, x, F):
+    """Add the displacement at a place in a cell to `x`, and set the deformation gradient F."""
+    D = len(frame.cell)
+    for i in range(3):
+        x[i] += P[0, i]
+        for j in range(3):
+            F[i, j] = 1.0 if i == j else 0.0
+    for e in range(1, 1 << D):
+        whole = 1.0
+        for d in range(D):
+            whole *= place[d] if e >> (D - 1 - d) & 1 else 1.0
+        for i in range(3):
+            x[i] += P[e, i] * whole
         for j in range(D):
-            g = slope(D, place, corner, j) * frame.inverse[j]
-            for i in range(3):
-                F[i, j] += u[v, i] * g
+            if e >> (D - 1 - j) & 1:
+                part = frame.inverse[j]
+                for d in range(D):
+                    part *= place[d] if d != j and e >> (D - 1 - d) & 1 else 1.0
+                for i in range(3):
+                    F[i, j] += P[e, i] * part
 
 
 @inner_kernel
@@ -79,25 +82,6 @@ def _move_rigid(rigid_bodies, surface, f):
         surface.now[f, d], surface.turned[f, d] = x, n
 
 
-@inner_kernel
-def _set_polynomial(D, cells, c, u, P):
-    """Set the coefficients of the displacement in a cell, (2^D, 3), by the factors' bits.
-
-    Entry e is the coefficient of the product of the places along the directions of its bits, see
-    `hat`.
-    """
-    for corner in range(1 << D):
-        v = cells.corners[c, corner]
-        for i in range(3):
-            P[corner, i] = u[v, i]
-    for d in range(D):
-        bit = 1 << (D - 1 - d)
-        for corner in range(1 << D):
-            if corner & bit:
-                for i in range(3):
-                    P[corner, i] -= P[corner ^ bit, i]
-
-
 @kernel
 def move_facets(frame, rigid_bodies, surface, cells, u, some, scratch):
     """Set the current centroids and normals of some facets.
@@ -108,10 +92,10 @@ def move_facets(frame, rigid_bodies, surface, cells, u, some, scratch):
         Displacements of the surface vertices.
     some : (n,) int64
         The facets.
-    scratch : ((3, 3) float64, (2^D, 3) float64)
+    scratch : ((3, 3) float64, (2^D, 3) float64, (3,) float64)
         Scratch.
     """
-    D, (F, P), last = len(frame.cell), scratch, -1
+    D, (F, P, _), last = len(frame.cell), scratch, -1
     for n in range(len(some)):
         f = some[n]
         c = surface.cell[f]
@@ -119,25 +103,11 @@ def move_facets(frame, rigid_bodies, surface, cells, u, some, scratch):
             _move_rigid(rigid_bodies, surface, f)
             continue
         if c != last:
-            _set_polynomial(D, cells, c, u, P)
+            set_polynomial(D, cells, c, u, P)
             last = c
         for i in range(3):
-            surface.now[f, i] = surface.x[f, i] + P[0, i]
-            for j in range(3):
-                F[i, j] = 1.0 if i == j else 0.0
-        for e in range(1, 1 << D):
-            whole = 1.0
-            for d in range(D):
-                whole *= surface.place[f, d] if e >> (D - 1 - d) & 1 else 1.0
-            for i in range(3):
-                surface.now[f, i] += P[e, i] * whole
-            for j in range(D):
-                if e >> (D - 1 - j) & 1:
-                    part = frame.inverse[j]
-                    for d in range(D):
-                        part *= surface.place[f, d] if d != j and e >> (D - 1 - d) & 1 else 1.0
-                    for i in range(3):
-                        F[i, j] += P[e, i] * part
+            surface.now[f, i] = surface.x[f, i]
+        deform(frame, P, surface.place[f], surface.now[f], F)
         normal = turned_normal(F, surface.normal[f])
         length = sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
         for d in range(3):

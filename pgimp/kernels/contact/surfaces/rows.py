@@ -34,8 +34,9 @@ _NEWTON, _EXACT = 40, 1e-12
 #: faces of a body do not count there; least A, in areas of the patch.
 _FACING, _LEAST = 8, 0.03
 
-#: Cells of gap above which a patch has no pair.
-NEAR = 0.25
+#: Cells of gap above which a patch has no pair. Over the greatest distance of a vertex in the step
+#: the gap above which it has none either, and cells of gap at which it always has one.
+NEAR, SOON, TOUCHES = 0.25, 4.0, 1e-3
 
 #: Cells by which overlapping surfaces part in a step, at most.
 PARTS = 1e-3
@@ -86,26 +87,56 @@ def _share(area, gap, level, tied):
 
 
 @inner_kernel
-def _add_place(D, cells, c, place, part, r, used, seen, coupling):
-    """Add a place's share to row `r`; returns the number of entries."""
+def _add_cell(D, cells, c, sums, r, used, seen, coupling):
+    """Add to row `r` the sums over places in a cell, by its vertices; clears the sums.
+
+    Returns the number of entries.
+    """
     column, entry = coupling.column, coupling.entry
     for k in range(cells.start[c], cells.start[c + 1]):
         w, j = 0.0, cells.column[k]
         for corner in range(1 << D):
-            w += cells.weight[k, corner] * hat(D, place, corner)
+            w += cells.weight[k, corner] * sums[corner]
         if w == 0.0:
             continue
         if seen[0, j] != r:
             if used < len(column):
-                seen[0, j], seen[1, j], column[used], entry[used, 0] = r, used, j, part * w
+                seen[0, j], seen[1, j], column[used], entry[used, 0] = r, used, j, w
             used += 1
         elif seen[1, j] < len(column):
-            entry[seen[1, j], 0] += part * w
+            entry[seen[1, j], 0] += w
+    for corner in range(1 << D):
+        sums[corner] = 0.0
     return used
 
 
 @inner_kernel
-def _set_pair(contact, surface, every, first, last, cell, dt, end, row, rigid):
+def _add_row(D, surface, cells, every, first, last, own, r, used, scratch, coupling):
+    """Add the row `r` of a patch's own body, or of the other; returns the number of entries.
+
+    `every` has weights in place of gaps.
+    """
+    _, seen, sums = scratch
+    c = -1
+    for n in range(first, last):
+        part = every[n].gap
+        if part == 0.0:
+            continue
+        f = every[n].facet if own else every[n].other
+        if surface.cell[f] != c:
+            if c >= 0:
+                used = _add_cell(D, cells, c, sums, r, used, seen, coupling)
+            c = surface.cell[f]
+        for corner in range(1 << D):
+            if own:
+                sums[corner] += part * hat(D, surface.place[f], corner)
+            else:
+                sums[corner] += part * hat(D, every[n].place, corner)
+    return _add_cell(D, cells, c, sums, r, used, seen, coupling) if c >= 0 else used
+
+
+@inner_kernel
+def _set_pair(contact, surface, every, first, last, cell, travel, dt, end, row, rigid):
     """Set the state of a pair, given its facets; returns 0 unless they may touch.
 
     It is 2 if the other body comes first, else 1. `cell` is the least side of a cell.
@@ -120,7 +151,8 @@ def _set_pair(contact, surface, every, first, last, cell, dt, end, row, rigid):
     least = inf
     for n in range(first, last):
         least = min(least, every[n].gap)
-    if not least < NEAR * cell:
+    reach = pairs.adhesion[entry - 1, 2]
+    if not least < (NEAR * cell if tied else min(NEAR * cell, max(SOON * travel, reach))):
         return 0
     level = least if tied else _level(surface, every, first, last, least, FADES * cell)
     clear_pair(row)
@@ -148,7 +180,7 @@ def _set_pair(contact, surface, every, first, last, cell, dt, end, row, rigid):
         row.normal[d] /= sqrt(square)
         rigid[2, d] /= whole
     row.gap_rate = max(gap, -PARTS * cell) / dt
-    normal, shear, reach = pairs.adhesion[entry - 1]
+    normal, shear, _ = pairs.adhesion[entry - 1]
     if max(gap, 0.0) < reach:
         row.adhesion, row.shear_adhesion = normal * row.area * dt, shear * row.area * dt
     # Weights of the facets, for the rows.
@@ -176,7 +208,7 @@ def _set_rigid_velocity(rigid_bodies, s, rigid, side):
 
 @kernel
 def find_patch_pairs(
-    contact, frame, surface, cells, every, dt, scratch, contact_pairs, coupling
+    contact, frame, surface, cells, every, dt, fastest, scratch, contact_pairs, coupling
 ) -> tuple[int, int, int]:
     """Find the pairs of patches and other bodies, and their rows.
 
@@ -186,7 +218,9 @@ def find_patch_pairs(
         Laws and rigid bodies.
     every : (n,) NEAR_FACET
         Facets with their gaps, by patch and other body; gaps become weights.
-    scratch : ((m, NUMBERS) float64, (2, m) int64)
+    fastest : float
+        Greatest speed of a vertex or of a rigid body.
+    scratch : ((m, NUMBERS) float64, (2, m) int64, (2^D,) float64)
         The records of `ReferenceVertices`, and scratch.
     contact_pairs : ContactPairs
         With room for a pair each `n`.
@@ -198,11 +232,13 @@ def find_patch_pairs(
     tuple of 3 int
         Numbers of pairs, rows and entries.
     """
-    D, (numbers, seen) = len(frame.cell), scratch
+    D, (numbers, seen, sums) = len(frame.cell), scratch
     cell = frame.cell[0]
     for d in range(D):
         cell = min(cell, frame.cell[d])
+    travel = fastest * dt + TOUCHES / SOON * cell
     seen[0, :] = -1
+    sums[:] = 0.0
     pairs, rows, used, first, start = 0, 0, 0, 0, coupling.start
     start[0] = 0
     while first < len(every):
@@ -215,7 +251,7 @@ def find_patch_pairs(
             last += 1
         end, rigid = contact_pairs.ends[pairs], contact_pairs.rigid[pairs]
         row = contact_pairs.states[pairs]
-        order = _set_pair(contact, surface, every, first, last, cell, dt, end, row, rigid)
+        order = _set_pair(contact, surface, every, first, last, cell, travel, dt, end, row, rigid)
         if order > 0:
             for side in range(2):
                 body = end.bodies[side]
@@ -226,21 +262,9 @@ def find_patch_pairs(
                     _set_rigid_velocity(contact.rigid_bodies, -1 - body, rigid, side)
                     continue
                 end.rows[side] = rows
-                for n in range(first, last):
-                    part = every[n].gap
-                    if part == 0.0:
-                        continue
-                    k = every[n].facet
-                    if own:
-                        used = _add_place(
-                            D, cells, surface.cell[k], surface.place[k], part, rows, used, seen,
-                            coupling,
-                        )  # fmt: skip
-                    else:
-                        used = _add_place(
-                            D, cells, surface.cell[every[n].other], every[n].place, part, rows,
-                            used, seen, coupling,
-                        )  # fmt: skip
+                used = _add_row(
+                    D, surface, cells, every, first, last, own, rows, used, scratch, coupling
+                )
                 start[rows + 1] = used
                 if used <= len(coupling.column):
                     set_answer(coupling, rows, numbers)

@@ -94,6 +94,32 @@ def bound_clusters(frame, numbers, records, motion, clusters, ends):
             ends[1, c, d] = min(ends[1, c, d], -x)
 
 
+@kernel
+def mark_between(surface, clusters, meeting, reach, marks):
+    """Mark the facets of clusters that are within reach of the box of one that they meet.
+
+    Parameters
+    ----------
+    clusters : ((m + 1,) int64, (n,) int64)
+        First entry of each cluster, and the facets of each.
+    meeting : ((k, 2) int64, (m, D) float64, (m, D) float64)
+        Pairs of clusters; least and greatest coordinates of all.
+    marks : (facets,) uint8
+        Set to 1.
+    """
+    (first, members), (pairs, low, high) = clusters, meeting
+    for k in range(len(pairs)):
+        for side in range(2):
+            own, other = pairs[k, side], pairs[k, 1 - side]
+            for n in range(first[own], first[own + 1]):
+                f, inside = members[n], True
+                for d in range(low.shape[1]):
+                    x = surface.now[f, d]
+                    inside = inside and low[other, d] - reach <= x <= high[other, d] + reach
+                if inside:
+                    marks[f] = 1
+
+
 @inner_kernel
 def _looks(surface, acts, cell, s, f):
     """Whether facet `s` looks for facet `f`: of another body, or far from it on its own."""

@@ -12,7 +12,7 @@ from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
 from pgimp.kernels.contact.surfaces.data import SurfaceCells, no_facets
 from pgimp.kernels.contact.surfaces.motion import move_facets
-from pgimp.kernels.contact.surfaces.search import bound_clusters, find_meeting
+from pgimp.kernels.contact.surfaces.search import bound_clusters, find_meeting, mark_between
 from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_VELOCITY
 from pgimp.kernels.data.record import RECORD
 from pgimp.mpi.communicator import Communicator
@@ -67,7 +67,7 @@ class Proximity:
         self.near: Near | None = None
         self.candidates, self.moving = no_facets(0), np.empty(0, np.int64)
         self.root = 0
-        self.scratch = np.zeros((3, 3)), np.zeros((2**scene.dimension, 3))
+        self.scratch = np.zeros((3, 3)), np.zeros((2**scene.dimension, 3)), np.zeros(3)
         self._pause, self._moved = 0, 0.0
         self._records, self._before = np.empty(0, np.int64), np.empty((0, 3))
         self._window: object = None
@@ -114,11 +114,11 @@ class Proximity:
         slab = rank.grid.slab
         first = slab.layers and slab.lower is None
         self.root = -int(greatest(self.comm, -self.comm.rank if first else -self.comm.size))
-        low, high = self._boxes(rank, table, rigid)
-        met, on_walls = self._meeting(table, acts, low, high)
-        facets = table.facets(met)
+        boxes = self._boxes(rank, table, rigid)
+        met, on_walls = self._meeting(table, acts, *boxes)
+        facets = table.facets(np.unique(met))
         self.near = self._select(table, np.unique(np.concatenate([facets, *on_walls.values()])))
-        self._find(rank, table, self.near, acts, rigid, facets, on_walls)
+        self._find(rank, table, self.near, acts, rigid, (met, *boxes), on_walls)
 
     def _boxes(self, rank: RankState, table: Table, rigid: Any) -> tuple[np.ndarray, np.ndarray]:
         """Least and greatest coordinates of the clusters; collective."""
@@ -139,7 +139,7 @@ class Proximity:
     def _meeting(
         self, table: Table, acts: np.ndarray, low: np.ndarray, high: np.ndarray
     ) -> tuple[np.ndarray, dict[int, np.ndarray]]:
-        """Clusters that may meet others, and for each wall the facets that may meet it."""
+        """Pairs of clusters that may meet, and for each wall the facets that may meet it."""
         frame, both = self.scene.domain.frame, acts | acts.T
         cell = np.array(frame.cell)
         reach = REACH * cell
@@ -155,7 +155,8 @@ class Proximity:
             end = (high if side > 0 else low)[soft, axis]
             near = soft[side * (at - end) < reach[axis]]
             on_walls[self.walls.first + w] = table.facets(near)
-        return np.unique(np.concatenate([a[met], b[met], alone])), on_walls
+        pairs = np.column_stack([a[met], b[met]])
+        return np.concatenate([pairs, np.column_stack([alone, alone])]), on_walls
 
     def _select(self, table: Table, facets: np.ndarray) -> Near:
         """The cells and vertices of facets that may meet others; collective."""
@@ -203,7 +204,7 @@ class Proximity:
         near: Near,
         acts: np.ndarray,
         rigid: Any,
-        some: np.ndarray,
+        meeting: tuple[np.ndarray, np.ndarray, np.ndarray],
         on_walls: dict[int, np.ndarray],
     ) -> None:
         """Find the candidates on the root; collective."""
@@ -214,6 +215,9 @@ class Proximity:
         frame = self.scene.domain.frame
         call(move_facets, frame, rigid, surface, near.cells, u, near.facets, self.scratch)
         marks, reach = np.zeros(len(surface.x), np.uint8), (REACH * max(frame.cell), frame.cell[0])
+        call(mark_between, surface, (table.first, table.members), meeting, reach[0], marks)
+        some = np.flatnonzero(marks)
+        marks[:] = 0
         key_of, strides = bins_of(surface.now[some], reach[0], self.scene.dimension)
         order = np.argsort(key_of, kind="stable")
         bins, count = (key_of, key_of[order], order), len(acts)

@@ -58,9 +58,10 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     D, cell = scene.dimension, np.array(frame.cell)
     origin = np.array(frame.origin)
     every = [*_bodies(scene), *_rigid_bodies(scene)]
-    found = [
-        facets_of(body, origin, cell, scene.interaction.loads.surfaces.closed) for body in every
-    ]
+    # What lies on a wall that lets go meets it there.
+    leaves = [(face.axis, face.side) for face in scene.domain.faces if face.condition.approaches]
+    closed = [face for face in scene.interaction.loads.surfaces.closed if face not in leaves]
+    found = [facets_of(body, origin, cell, closed) for body in every]
     body = np.repeat(np.arange(len(found)), [len(each.x) for each in found])
     facets = Facets.joined(found)
     soft = body < len(scene.body_names)
