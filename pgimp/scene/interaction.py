@@ -2,7 +2,9 @@
 
 import numpy as np
 
+from pgimp.case.checks.rigid_bodies import meet_by_surfaces
 from pgimp.case.schema import Case
+from pgimp.physics.contact.base import UNILATERAL
 from pgimp.physics.contact.pairs import Pairs
 from pgimp.scene.domain import Domain
 from pgimp.scene.flows import SceneFlows
@@ -47,6 +49,21 @@ class Interaction:
         self.pairs: Pairs | None = None
         if case.contact or self.rigid_bodies or settings.mixed:
             self.pairs = Pairs.of(case.contact, [*case.bodies, *self.rigid_bodies.names])
+        if self.pairs and meet_by_surfaces(case.bodies, case.geometry, case.boundaries):
+            self.rigid_bodies.meeting = self._rigid_pairs(case)
         of_body = np.array(materials.body_material, np.int64)
         flows = SceneFlows(case, materials.entries, of_body, current, domain.faces, self.pairs)
         self.flows = flows if flows.rates.any() else None
+
+    def _rigid_pairs(self, case: Case) -> frozenset[frozenset[int]]:
+        """Pairs of rigid bodies with an entry of contact, one of them free."""
+        assert self.pairs
+        n, own = len(case.bodies), [*case.rigid_bodies.values()]
+        entry = np.abs(self.pairs.entry[n:, n:])
+        acts = np.triu((0 < entry) & (entry <= len(case.contact)), 1)
+        acts &= self.pairs.kind[entry - 1] == UNILATERAL
+        return frozenset(
+            frozenset(pair)
+            for pair in np.argwhere(acts).tolist()
+            if any(own[number].free for number in pair)
+        )

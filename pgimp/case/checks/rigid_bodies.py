@@ -5,7 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
+from pgimp.case.body import Body
+from pgimp.case.checks.periodic import periodic_axes
 from pgimp.case.grid import Grid
+from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.contact.pairs import ContactEntry
 from pgimp.physics.loads.motion import RigidMotion
 from pgimp.physics.rigid import FREEDOMS, Free, RigidBody
@@ -61,27 +64,49 @@ def _free(path: tuple[str | int, ...], dimensions: int, body: RigidBody, free: F
             yield Problem((*path, "velocity"), "it moves in a way that `fixed` excludes")
 
 
+def meet_by_surfaces(
+    bodies: Mapping[str, Body], geometry: str, boundaries: Mapping[str, Boundary]
+) -> bool:
+    """Whether bodies meet at their own surfaces, and not at the vertices of a grid."""
+    exact = all(b.configuration == "initial" and b.surface == "exact" for b in bodies.values())
+    return exact and geometry != "axisymmetric" and not periodic_axes(boundaries)
+
+
 def check_contact(
     body_names: Sequence[str],
     rigid_bodies: Mapping[str, RigidBody],
     contact: Sequence[ContactEntry],
+    bodies: Mapping[str, Body],
+    geometry: str,
+    boundaries: Mapping[str, Boundary],
 ) -> Problems:
     """Check that the entries of contact name bodies, and no pair twice."""
-    body_names = [*body_names, *rigid_bodies]
+    body_names, soft = [*body_names, *rigid_bodies], set(body_names)
+    by_surfaces = meet_by_surfaces(bodies, geometry, boundaries)
+    needs = (
+        "is for scenes in which all bodies have `configuration: initial` and `surface: exact`, "
+        "without an axis or periodic faces"
+    )
     earlier: dict[frozenset[str], int] = {}
     for i, entry in enumerate(contact):
         path: tuple[str | int, ...] = ("contact", i, "bodies")
-        pairs = {frozenset(pair) for pair in entry.pairs()} or {frozenset(("all",))}
+        pairs = {frozenset(pair) for pair in entry.pairs()}
+        if entry.itself:
+            pairs |= {frozenset((name,)) for name in entry.bodies if entry.bodies != "all"}
+            if not by_surfaces:
+                yield Problem(("contact", i, "self"), f"{needs}: leave it out, or give them these")
+        if entry.bodies == "all":
+            pairs = {frozenset(("all",))}
         if entry.bodies != "all":
             for k, name in enumerate(entry.bodies):
                 if name not in body_names:
                     yield Problem((*path, k), unknown("body", name, body_names))
-        elif len(body_names) < 2:
+        elif len(body_names) < 2 and not entry.itself:
             yield Problem(path, "there is only one body, which meets no other")
-        if entry.bodies != "all" and set(entry.bodies) <= set(rigid_bodies):
+        if entry.bodies != "all" and not soft & set(entry.bodies) and not by_surfaces:
             text = (
-                "all are rigid, and rigid bodies do not feel each other: leave the entry out, or "
-                "make one of them a body of a material"
+                f"all are rigid, and contact of rigid bodies with each other {needs}: give them "
+                "these, or leave the entry out"
             )
             yield Problem(path, text)
         for pair in sorted(pairs & set(earlier), key=sorted)[:1]:

@@ -7,6 +7,7 @@ direction. Small ones join a neighbour.
 
 from __future__ import annotations
 
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -75,7 +76,7 @@ def facets_of(body: LatticeBody, origin: Reals, cell: Reals, closed: Closed = ()
     # A surface between two boxes has an element in each.
     places = np.rint(1e6 * np.column_stack([x / body.size, normal])) + 0.0
     _, first, same = np.unique(places, axis=0, return_index=True, return_inverse=True)
-    size = np.bincount(same.reshape(-1), size)
+    size = np.asarray(np.bincount(same.reshape(-1), size), float)
     found, x, normal = found.chosen(first), x[first], normal[first]
     patch = _patches(x, normal, size, origin, cell, side)
     order = np.argsort(patch, kind="stable")
@@ -153,7 +154,7 @@ def _patches(
     keys = np.column_stack([inside, 2 * axis + sign])
     places, patch = np.unique(keys, axis=0, return_inverse=True)
     places, patch = _flat(places[:, :-1], patch.reshape(-1), normal, area)
-    total = np.bincount(patch, area)
+    total = np.asarray(np.bincount(patch, area), float)
     centre, mean = (
         np.stack([np.bincount(patch, area * v[:, d]) for d in range(x.shape[1])], axis=1)
         for v in (x, normal)
@@ -194,8 +195,7 @@ def _joins(places: Indices, total: Reals, centre: Reals, mean: Reals, side: floa
     by_place: dict[tuple[int, ...], list[int]] = {}
     for number, place in enumerate(places.tolist()):
         by_place.setdefault(tuple(place), []).append(number)
-    steps = np.stack(np.meshgrid(*[[-1, 0, 1]] * places.shape[1]), axis=-1)
-    steps = steps.reshape(-1, places.shape[1]).tolist()
+    steps = [*product((-1, 0, 1), repeat=places.shape[1])]
     unit = mean / np.sqrt((mean * mean).sum(axis=1))[:, None]
     area = total.copy()
 

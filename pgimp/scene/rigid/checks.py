@@ -193,7 +193,8 @@ def collisions(
             yield depth - limit, depth, rigid_bodies.names[number], what
         distance = np.empty(len(mine))
         for other, name in enumerate(rigid_bodies.names):
-            if other != number:
+            met = frozenset((number, other)) in rigid_bodies.meeting
+            if other != number and not (met and not first):
                 distances(placed, other, frame, mine, distance)
                 depth = max(0.0, -float(distance.min(initial=0.0))) / least
                 # Beyond half the thickness the body would leave on the other side.
@@ -237,7 +238,8 @@ def require_clear(
             return
         text = (
             f"reaches {depth:.3g} cells into {what}: rigid bodies that move freely feel bodies of "
-            "a material only"
+            "a material, and rigid ones with which they have an entry of `contact` if all bodies "
+            "have `configuration: initial` and `surface: exact`"
         )
         if number == 0:
             with located(rigid_bodies.case):

@@ -80,6 +80,8 @@ class SceneRigidBodies:
         self.arms: list[float] = []
         self.thick: list[float] = []
         self.ends: list[NDArray[np.float64]] = []
+        #: Pairs of rigid bodies that act on each other, by their numbers.
+        self.meeting: frozenset[frozenset[int]] = frozenset()
         self._kept: RigidBodies | None = None
         self._placed: dict[int, bytes] = {}
 

@@ -1,5 +1,6 @@
 """The kind of contact of a scene; what a scene does not use is not imported."""
 
+from pgimp.case.checks.rigid_bodies import meet_by_surfaces
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.base import NoContact
 
@@ -7,8 +8,8 @@ from pgimp.solver.contact.base import NoContact
 def contact_kind(scene: Scene) -> type[NoContact]:
     """Return the class of a scene's contact."""
     meets = scene.interaction.pairs or scene.domain.unilateral_walls
-    exact = scene.settings.exact_surfaces.any() and scene.settings.exact_surfaces.all()
-    if meets and exact and not (scene.case.axisymmetric or any(scene.domain.periodic)):
+    case = scene.case
+    if meets and meet_by_surfaces(case.bodies, case.geometry, case.boundaries):
         from pgimp.solver.contact.surfaces.contact import SurfaceContact
 
         return SurfaceContact

@@ -96,6 +96,8 @@ class SurfaceContact(LagrangianContact):
         count, groups = self._walls.first, self.groups
         acts = np.triu(self.pairs.entry[:count, :count]) != 0
         acts[self.bodies :] = False
+        for pair in self.scene.interaction.rigid_bodies.meeting:
+            acts[self.bodies + min(pair), self.bodies + max(pair)] = True
         soft = slice(self.bodies)
         acts[soft, soft] &= (groups[:, None] != groups) | np.eye(len(groups), dtype=bool)
         return acts.astype(np.uint8)
