@@ -58,7 +58,7 @@ def planes(middle, sides, axes):
     ]}  # fmt: skip
 
 
-def cube_on_its_corner(side=5.0, load=2e-4):
+def cube_on_its_corner(side=5.0, load=2e-3):
     """A cube stands on its corner on a rigid floor, held upright by its symmetry."""
     axes = rotation([1.0, -1.0, 0.0], np.arccos(1.0 / np.sqrt(3.0)))
     axes = np.eye(3) @ axes

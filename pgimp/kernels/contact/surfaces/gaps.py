@@ -34,6 +34,9 @@ _BESIDE, _BESIDE_OUTSIDE, _BESIDE_INSIDE = 1e-3, 0.5, 0.15
 #: Depth in cells beyond which a point is not in a surface, but in what is behind.
 DEEPEST = 0.5
 
+#: Depth in cells beyond which a point has to be behind the facets round an edge as well.
+_EDGE = 0.01
+
 #: Iterations for the place in a cell, at most, and the change in cells that ends them: the next one
 #: is its square.
 _NEWTON, _EXACT = 12, 1e-7
@@ -169,8 +172,27 @@ def _find_gap(frame, rigid_bodies, surface, cells, scratch, near):
         y = _own(frame, cells, c, near, d) - phi * surface.normal[f, d]
         beside = max(beside, abs(y - surface.middle[f, d]) - surface.half[f, d])
     most = _BESIDE * least + (_BESIDE_OUTSIDE if phi > 0.0 else _BESIDE_INSIDE) * abs(phi)
+    if near.gap < -_EDGE * least and _before_another(D, frame, cells, surface, c, near):
+        near.gap = inf
     if beside > most or near.gap < -DEEPEST * least:
         near.gap = inf
+
+
+@inner_kernel
+def _before_another(D, frame, cells, surface, c, near):
+    """Whether a place behind a facet is before another one beside it, round a convex edge."""
+    f = near.other
+    for k in range(surface.start[f], surface.start[f + 1]):
+        m = surface.beside[k]
+        alike, away, convex = 0.0, 0.0, 0.0
+        for d in range(D):
+            n = surface.normal[m, d]
+            alike += n * surface.normal[f, d]
+            away += (_own(frame, cells, c, near, d) - surface.x[m, d]) * n
+            convex += (surface.x[f, d] - surface.x[m, d]) * n
+        if alike < 0.5 and convex < 0.0 and away > 0.0:
+            return True
+    return False
 
 
 @inner_kernel
