@@ -24,6 +24,9 @@ from pgimp.solver.rank_state import RankState
 #: Cells along a side of a cluster of facets.
 WIDE = 4
 
+#: Greatest cosine between normals at a sharp edge.
+SHARP = 0.3
+
 #: Greatest distance of neighbouring facets, in cells, by dimensions.
 _BESIDE = (1.0, 0.3, 0.4)
 
@@ -73,7 +76,8 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     start, beside = _beside(facets.x, body, float(cell.max()) * _BESIDE[D - 1], D)
     surface = Surface(
         facets.x, facets.normal, facets.middle, facets.half, facets.area, facets.patch, body,
-        index, place, start, beside, np.zeros((len(body), 3)), np.zeros((len(body), 3)),
+        index, place, _tips(facets, start, beside), start, beside, np.zeros((len(body), 3)),
+        np.zeros((len(body), 3)),
     )  # fmt: skip
     keys = np.empty(len(numbers), np.int64)
     keys_of_vertices(_bits(frame, 1 + max(fields, default=0)), numbers, keys)
@@ -204,6 +208,16 @@ def records_of(rank: RankState, numbers: np.ndarray) -> np.ndarray:
     stride = [s // RECORD for s in grid.window.stride]
     size = grid.window.extent[1] * grid.window.extent[2]
     return np.where(there, i * stride[0] + field * size + j * stride[1] + k * stride[2], -1)
+
+
+def _tips(facets: Facets, start: np.ndarray, beside: np.ndarray) -> np.ndarray:
+    """Mask of the facets beside a sharp edge: a neighbour's normal is nearly the opposite one."""
+    own = np.repeat(np.arange(len(facets.x)), np.diff(start))
+    alike = (facets.normal[own] * facets.normal[beside]).sum(axis=1)
+    behind = ((facets.x[beside] - facets.x[own]) * facets.normal[own]).sum(axis=1) < 0.0
+    found = np.zeros(len(facets.x), np.uint8)
+    found[own[(alike < SHARP) & behind]] = 1
+    return found
 
 
 def _beside(
