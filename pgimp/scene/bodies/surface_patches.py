@@ -163,9 +163,7 @@ def _patches(
     return np.unique(into[patch], return_inverse=True)[1].reshape(-1)
 
 
-def _flat(
-    places: Indices, patch: Indices, normal: Reals, area: Reals
-) -> tuple[Indices, Indices]:
+def _flat(places: Indices, patch: Indices, normal: Reals, area: Reals) -> tuple[Indices, Indices]:
     """Split patches whose facets are not alike, as beside edges; all patches' places, and numbers.
 
     Each part has the facets that are alike to the greatest of the rest.

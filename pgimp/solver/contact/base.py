@@ -87,6 +87,14 @@ class NoContact:
     def restore_forces(self, forces: np.ndarray) -> None:
         """Continue with the `kept_forces` of all ranks from a checkpoint."""
 
+    @property
+    def search(self) -> np.ndarray:
+        """State of the search for what may meet, for checkpoints: of one rank, on others empty."""
+        return np.empty(0)
+
+    def restore_search(self, search: np.ndarray) -> None:
+        """Continue with a `search` from a checkpoint, on every rank."""
+
     def detect(self, rank: RankState, t: Step, ledger: Ledger) -> None:
         """Find the contact vertices, after the halo exchange."""
 

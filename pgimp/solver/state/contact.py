@@ -1,4 +1,4 @@
-"""Contact in checkpoints: velocity fields, and the forces at which the next step begins."""
+"""Contact in checkpoints: velocity fields, forces at which the next step begins, the search."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from pgimp.solver.rank import Rank
 
 #: Datasets of a checkpoint.
-FIELDS, FORCES, PUSHED = "velocity-fields", "contact-forces", "contact-accelerations"
+FIELDS, FORCES, SEARCH = "velocity-fields", "contact-forces", "contact-search"
+PUSHED = "contact-accelerations"
 
 #: Columns of the forces that are whole numbers, of vertices and bodies, and their bound.
 _NUMBERS, _GREATEST = 5, 2.0**52
@@ -24,7 +25,8 @@ _NUMBERS, _GREATEST = 5, 2.0**52
 def stored_contact(rank: Rank, source: CheckpointFile, read: Callable) -> dict[str, np.ndarray]:
     """What a checkpoint has of the state of contact, by name; `read` reads a dataset by its shape.
 
-    An older one has none: fields are assigned anew, and the next step begins at zero forces.
+    An older one has none: fields are assigned anew, the next step begins at zero forces, and with
+    a search.
 
     Raises
     ------
@@ -44,6 +46,10 @@ def stored_contact(rank: Rank, source: CheckpointFile, read: Callable) -> dict[s
         if (numbers != np.floor(numbers)).any() or (abs(numbers) > _GREATEST).any():
             raise DamagedError("its forces of contact are at no vertices")
         found[FORCES] = forces
+    if SEARCH in source.whole:
+        found[SEARCH] = read(source, SEARCH, source.whole[SEARCH][1])
+        if len(found[SEARCH]) < 8 or not np.isfinite(found[SEARCH]).all():
+            raise DamagedError("its search for contact is none")
     if rank.averaged_mass and PUSHED in source.whole:
         found[PUSHED] = read(source, PUSHED, (*source.whole[PUSHED][1][:1], 7))
         if (np.ascontiguousarray(found[PUSHED][:, 0]).view(np.int64) < 0).any():
@@ -57,5 +63,7 @@ def restore_contact(rank: Rank, found: dict[str, np.ndarray]) -> None:
         rank.contact.restore(rank, found[FIELDS])
     if FORCES in found:
         rank.contact.restore_forces(found[FORCES])
+    if SEARCH in found:
+        rank.contact.restore_search(found[SEARCH])
     if PUSHED in found:
         rank.averaged_mass.restore(found[PUSHED])

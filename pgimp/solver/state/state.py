@@ -18,7 +18,7 @@ from pgimp.solver.damping.relaxation import Relaxation
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.lagrangian.pieces import source_at
 from pgimp.solver.rank import Rank
-from pgimp.solver.state.contact import FIELDS, FORCES, PUSHED
+from pgimp.solver.state.contact import FIELDS, FORCES, PUSHED, SEARCH
 from pgimp.solver.state.stored_motion import MOTION, MOTION_PLANES, stored_motion
 from pgimp.solver.time.clock import CourantClock, FixedClock, Step
 from pgimp.solver.time.energy_watch import EnergyWatch
@@ -182,6 +182,7 @@ def capture(
             own,
             vertices,
             rank.contact.kept_forces,
+            rank.contact.search,
         )
     )
     if parts is None:
@@ -244,6 +245,7 @@ def capture(
         whole |= rank.absorbing.datasets()
     whole[FIELDS] = rank.contact.assignment
     whole[FORCES] = np.concatenate([part[4] for part in parts])
+    whole[SEARCH] = np.concatenate([part[5] for part in parts])
     whole["gauge-lines"] = records.means.rows(rank.scene)
     if records.last:
         whole["last-impulse"], whole["last-force"] = records.last[1:]

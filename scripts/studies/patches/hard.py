@@ -31,13 +31,20 @@ def watched(sim, every=1, limit=10**9):
 
 def _books(first, lines):
     """Greatest and last energy that books do not explain, over the greatest there is."""
+
     def whole(line):
         return energy(line) + line["dissipated-energy"]
 
     most = max(max(energy(line) for line in lines), 1e-300)
-    work = [line.get("external-work", 0.0) + sum(
-        value for key, value in line.items() if key.startswith("tool.") and key.endswith(".work"))
-        for line in lines]
+    work = [
+        line.get("external-work", 0.0)
+        + sum(
+            value
+            for key, value in line.items()
+            if key.startswith("tool.") and key.endswith(".work")
+        )
+        for line in lines
+    ]
     off = [abs(whole(line) - whole(first) - w) / most for line, w in zip(lines, work, strict=True)]
     return max(off)
 
@@ -93,7 +100,8 @@ def peg(clearance=0.05, speed=0.02, friction=0.2):
     right = box([low[0] + wide + clearance, 1.0], [low[0] + wide + 3.0, 11.0])
     bodies = {
         "peg": exact(box(low - [0.0, 3.0], low + [wide, high - 3.0]), [0.0, -speed * C]),
-        "left": exact(left), "right": exact(right),
+        "left": exact(left),
+        "right": exact(right),
     }
     held = {name: {"body": name, "region": box([x, 0.0], [x + 1.0, 12.0]), "velocity": [0.0, 0.0]}
             for name, x in (("left", 0.0), ("right", low[0] + wide + 2.0))}  # fmt: skip
@@ -104,8 +112,11 @@ def peg(clearance=0.05, speed=0.02, friction=0.2):
                        contact=[{"bodies": ["peg", name], "friction": friction}
                                 for name in ("left", "right")]))  # fmt: skip
     _, deepest, lines = watched(sim, 3)
-    return {"depth": deepest, "steps": sim.step,
-            "energies": [round(energy(line), 6) for line in lines[:: max(1, len(lines) // 5)]]}
+    return {
+        "depth": deepest,
+        "steps": sim.step,
+        "energies": [round(energy(line), 6) for line in lines[:: max(1, len(lines) // 5)]],
+    }
 
 
 def pile(count=10, side=(4.0, 3.0), steps=100_000, load=1e-3, floor="separating", friction=0.3):
@@ -163,8 +174,18 @@ def over_the_edge(order=("block", "table"), friction=0.1, soft=False):
     if soft:
         more["constraints"] = {"held": {"body": "table", "region": box([0.0, 3.0], [10.0, 4.0]),
                                         "velocity": [0.0, 0.0]}}  # fmt: skip
-    sim = core(case_of([28.0, 14.0], 1.0, {"solid": SOLID}, bodies, 5.0, gravity=[0.0, -g],
-                       contact=[{"bodies": ["block", "table"], "friction": friction}], **more))
+    sim = core(
+        case_of(
+            [28.0, 14.0],
+            1.0,
+            {"solid": SOLID},
+            bodies,
+            5.0,
+            gravity=[0.0, -g],
+            contact=[{"bodies": ["block", "table"], "friction": friction}],
+            **more,
+        )
+    )
     first, deepest, lines = watched(sim, 1)
     last = lines[-1]
     return {"depth": deepest, "fell": last["body.block.centre-y"], "x": last["body.block.centre-x"],
@@ -239,15 +260,27 @@ def bouncing(R=5.0, load=2e-3, bounces=4):
         "floor": {"rigid": {}, "region": box([0.5, 0.5], [2.0 * R + 5.5, 3.0])},
     }
     end = bounces * 2.3 * np.sqrt(2.0 * fall / g)
-    sim = core(case_of([2.0 * R + 6.0, 2.0 * R + 2.0 * fall + 6.0], 1.0, {"solid": SOLID}, bodies,
-                       end, gravity=[0.0, -g], contact=[{"bodies": ["disk", "floor"]}]))
+    sim = core(
+        case_of(
+            [2.0 * R + 6.0, 2.0 * R + 2.0 * fall + 6.0],
+            1.0,
+            {"solid": SOLID},
+            bodies,
+            end,
+            gravity=[0.0, -g],
+            contact=[{"bodies": ["disk", "floor"]}],
+        )
+    )
     _, deepest, lines = watched(sim, 1)
     y = np.array([line["body.disk.centre-y"] for line in lines]) - 3.0 - R
     tops = [y[k] / fall for k in range(1, len(y) - 1) if y[k - 1] < y[k] >= y[k + 1] and y[k] > 0.1]
     mass = pi * R * R
     total = np.array([energy(line) for line in lines]) + mass * g * y
-    return {"depth": deepest, "heights": np.round(tops, 3).tolist(),
-            "energy": [total.max() / (mass * g * fall), total[-1] / (mass * g * fall)]}
+    return {
+        "depth": deepest,
+        "heights": np.round(tops, 3).tolist(),
+        "energy": [total.max() / (mass * g * fall), total[-1] / (mass * g * fall)],
+    }
 
 
 def fast(R=6.0, v=0.15, shape="disk"):

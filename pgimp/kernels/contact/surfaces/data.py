@@ -8,14 +8,17 @@ from numpy.typing import NDArray
 from pgimp.jit.memory import structure
 from pgimp.kernels.data.particles import FloatArray, IntArray
 
-#: A facet near another body, in a step: the facet, the other body, its facet next to the first one.
-#: Then the gap between both, the place of the first one's centroid in the other body's cell, and
-#: the normal there, out of the other body.
+#: A facet near another body, in a step: the facet, the other body, its facet next to the first one,
+#: and the number of the other body's side there, see `find_patch_pairs`. Then the gap between both,
+#: the facet's weight in its patch, the place of its centroid in the other body's cell, and the
+#: normal there, out of the other body.
 NEAR_FACET = structure(
     ("facet", "i8"),
     ("body", "i8"),
     ("other", "i8"),
+    ("side", "i8"),
     ("gap", "f8"),
+    ("weight", "f8"),
     ("place", "f8", 3),
     ("normal", "f8", 3),
 )

@@ -27,12 +27,13 @@ _ALONG = 1e-6
 #: Part of the mean radius of a facet by which it reaches farther than a disc of its area.
 _WIDE = 1.25
 
-#: Cells by which a point may lie beside a facet's part of a box, and the same over its distance
-#: outside and inside. What is inside lies behind a facet, but between facets of a hole.
-_BESIDE, _BESIDE_OUTSIDE, _BESIDE_INSIDE = 1e-3, 0.5, 0.15
+#: Cells by which a point may lie beside a facet's part of a box, and the same over its distance, of
+#: points before the facet and behind it: what is deep beside an edge is not in the body.
+_BESIDE, _BESIDE_BEFORE, _BESIDE_BEHIND = 1e-3, 0.5, 0.15
 
-#: Depth in cells beyond which a point is not in a surface, but in what is behind.
-DEEPEST = 0.5
+#: Depth in cells beyond which a point is not in a surface, but in what is behind, and cells within
+#: which facets are next to each other.
+DEEPEST, FARTHEST = 0.25, 0.5
 
 #: Depth in cells beyond which a point has to be behind the facets round an edge as well.
 _EDGE = 0.01
@@ -98,9 +99,10 @@ def next_facet(D, surface, s, cell, f):
 def _solve_place(frame, low, x, scratch, place):
     """Set the place in a cell, or beyond, that is at a current position; starts from `place`.
 
-    `low` is the cell's first vertex, with the displacement in `scratch`.
+    `low` is the cell's first vertex, with the displacement in `scratch`. Returns whether it is
+    found.
     """
-    D, (F, P, y) = len(frame.cell), scratch
+    D, (F, P, y), most = len(frame.cell), scratch, inf
     for _ in range(_NEWTON):
         for d in range(3):
             y[d] = low[d]
@@ -121,6 +123,7 @@ def _solve_place(frame, low, x, scratch, place):
             most = max(most, abs(s))
         if not most > _EXACT:
             break
+    return most <= _EXACT
 
 
 @inner_kernel
@@ -149,13 +152,13 @@ def _find_gap(frame, rigid_bodies, surface, cells, scratch, near):
     """Set gap, place and normal of a facet's centroid at another body's surface."""
     D, s, f, F = len(frame.cell), near.facet, near.other, scratch[0]
     x = (surface.now[s, 0], surface.now[s, 1], surface.now[s, 2])
-    c, length = surface.cell[f], 1.0
+    c, length, close = surface.cell[f], 1.0, True
     if c < 0:
         _rigid_place(rigid_bodies, surface, x, near)
     else:
         for d in range(3):
             near.place[d] = surface.place[f, d]
-        _solve_place(frame, cells.low[c], x, scratch, near.place)
+        close = _solve_place(frame, cells.low[c], x, scratch, near.place)
         n, J = turned_normal(F, surface.normal[f]), 0.0
         for j in range(3):
             J += F[0, j] * _cofactor(F, 0, j)
@@ -171,10 +174,10 @@ def _find_gap(frame, rigid_bodies, surface, cells, scratch, near):
     for d in range(D):
         y = _own(frame, cells, c, near, d) - phi * surface.normal[f, d]
         beside = max(beside, abs(y - surface.middle[f, d]) - surface.half[f, d])
-    most = _BESIDE * least + (_BESIDE_OUTSIDE if phi > 0.0 else _BESIDE_INSIDE) * abs(phi)
-    if near.gap < -_EDGE * least and _before_another(D, frame, cells, surface, c, near):
+    most = _BESIDE * least + max(_BESIDE_BEFORE * phi, -_BESIDE_BEHIND * phi)
+    if not (close and beside <= most and -DEEPEST * least <= near.gap < inf):
         near.gap = inf
-    if beside > most or near.gap < -DEEPEST * least:
+    elif near.gap < -_EDGE * least and _before_another(D, frame, cells, surface, c, near):
         near.gap = inf
 
 
@@ -202,7 +205,7 @@ def _own(frame, cells, c, near, d):
 
 
 @kernel
-def find_gaps(frame, rigid_bodies, walls, surface, cells, u, scratch, every):
+def find_gaps(frame, rigid_bodies, walls, surface, cells, u, scratch, far, every):
     """Find the gaps between facets and the other bodies next to them.
 
     Parameters
@@ -215,6 +218,8 @@ def find_gaps(frame, rigid_bodies, walls, surface, cells, u, scratch, every):
         Displacements of the surface vertices.
     scratch
         As of `move_facets`.
+    far : float
+        Greatest distance. Farther away the cell's displacements, extrapolated, may fold.
     every : (n,) NEAR_FACET
         The facets; `other` is where the search for the one next to them begins.
     """
@@ -231,6 +236,9 @@ def find_gaps(frame, rigid_bodies, walls, surface, cells, u, scratch, every):
                 near.normal[d] = -1.0 * side if d == axis else 0.0
         else:
             near.other = next_facet(D, surface, s, frame.cell[0], near.other)
+            if _square(D, surface, s, frame.cell[0], near.other) > far * far:
+                near.gap = inf
+                continue
             c = surface.cell[near.other]
             if c >= 0 and c != last:
                 set_polynomial(D, cells, c, u, scratch[1])

@@ -5,11 +5,14 @@ The gap G of a patch is a smooth least one of its facets' gaps g_k, the level s 
     sum_k A_k max(0, s - g_k)^2 = A d^2,   G = s - d,
 
 with the facets' areas A_k, a small length d, and the area A of those that face the other body: the
-gap itself where a patch and what it meets are parallel. Its derivatives are weights, W_k ~ A_k max(0, s - g_k), which add up
-to 1. So the constraint G >= 0 acts where the patch touches, and neither takes nor gives energy: it
-is holonomic. The velocity at the patch is the mean
+gap itself where a patch and what it meets are parallel. Its derivatives are weights, W_k ~ A_k
+max(0, s - g_k), which add up to 1. So the constraint G >= 0 acts where the patch touches, and
+neither takes nor gives energy: it is holonomic. The velocity at the patch is the mean
 
     w = sum_k W_k sum_j N_j(X_k) v_j.
+
+Facets that meet another side of the other body, as at its edges, are a pair of their own: no one
+normal would keep both sides out.
 
 The other body has the same sum with the places Y_k of the same points in it. So an impulse acts at
 one place of space on both bodies: momentum and angular momentum are exact.
@@ -41,12 +44,54 @@ NEAR, SOON, TOUCHES = 0.25, 4.0, 1e-3
 #: Cells by which overlapping surfaces part in a step, at most.
 PARTS = 1e-3
 
+#: Least cosine between normals on one side of a body.
+_ONE_SIDE = 0.7
+
+
+@inner_kernel
+def _side_of(surface, f):
+    """Number of the side of facet `f`, by its normal in the initial state; 0 of walls."""
+    if f < 0:
+        return 0
+    axis = 0
+    for d in range(1, 3):
+        if abs(surface.normal[f, d]) > abs(surface.normal[f, axis]):
+            axis = d
+    return 2 * axis + (1 if surface.normal[f, axis] > 0.0 else 0)
+
+
+@inner_kernel
+def _find_sides(surface, every, first, last, near):
+    """Set the sides of the other body that facets of a patch meet; returns the mask of these.
+
+    The nearest facet's side has all those with normals like its own. Facets without a gap are on
+    side -1; there is none unless a gap is below `near`.
+    """
+    mask = 0
+    for n in range(first, last):
+        every[n].side = -1
+    while True:
+        best, least = -1, near if mask == 0 else inf
+        for n in range(first, last):
+            if every[n].side < 0 and every[n].gap < least:
+                least, best = every[n].gap, n
+        if best < 0:
+            return mask
+        side = _side_of(surface, every[best].other)
+        while mask >> side & 1:
+            side += 6
+        mask |= 1 << side
+        for n in range(first, last):
+            same = 0.0
+            for d in range(3):
+                same += every[n].normal[d] * every[best].normal[d]
+            if n == best or (every[n].side < 0 and every[n].gap < inf and same > _ONE_SIDE):
+                every[n].side = side
+
 
 @inner_kernel
 def _faces(surface, near):
     """Part of a facet that faces the other body: 1 if parallel, little where it is askew."""
-    if not near.gap < inf:
-        return 0.0
     cosine = 0.0
     for d in range(3):
         cosine -= surface.turned[near.facet, d] * near.normal[d]
@@ -54,20 +99,23 @@ def _faces(surface, near):
 
 
 @inner_kernel
-def _level(surface, every, first, last, least, width):
+def _level(surface, every, first, last, side, least, width):
     """Level of a patch above the least gap, by Newton's method from above."""
-    near, whole, every_area = inf, 0.0, 0.0
+    near, whole, most = inf, 0.0, 0.0
     for n in range(first, last):
         area = surface.area[every[n].facet]
-        every_area += area
-        whole += area * _faces(surface, every[n])
-        if every[n].gap == least:
-            near = min(near, area)
-    whole = max(whole, _LEAST * every_area)
+        most += area
+        if every[n].side == side:
+            whole += area * _faces(surface, every[n])
+            if every[n].gap == least:
+                near = min(near, area)
+    whole = max(whole, _LEAST * most)
     s = least + width * sqrt(whole / near)
     for _ in range(_NEWTON):
         value, slope = -whole * width * width, 0.0
         for n in range(first, last):
+            if every[n].side != side:
+                continue
             deep = max(0.0, s - every[n].gap)
             area = surface.area[every[n].facet]
             value += area * deep * deep
@@ -79,11 +127,12 @@ def _level(surface, every, first, last, least, width):
 
 
 @inner_kernel
-def _share(area, gap, level, tied):
-    """Weight of a facet in its patch."""
-    if not gap < inf:
+def _share(surface, near, side, level, tied):
+    """Weight of a facet in its patch; of tied ones `level` is where ties end."""
+    if near.side != side or not near.gap < level:
         return 0.0
-    return area if tied else area * max(0.0, level - gap)
+    area = surface.area[near.facet]
+    return area if tied else area * (level - near.gap)
 
 
 @inner_kernel
@@ -114,12 +163,12 @@ def _add_cell(D, cells, c, sums, r, used, seen, coupling):
 def _add_row(D, surface, cells, every, first, last, own, r, used, scratch, coupling):
     """Add the row `r` of a patch's own body, or of the other; returns the number of entries.
 
-    `every` has weights in place of gaps.
+    `every` has their weights.
     """
     _, seen, sums = scratch
     c = -1
     for n in range(first, last):
-        part = every[n].gap
+        part = every[n].weight
         if part == 0.0:
             continue
         f = every[n].facet if own else every[n].other
@@ -136,38 +185,54 @@ def _add_row(D, surface, cells, every, first, last, own, r, used, scratch, coupl
 
 
 @inner_kernel
-def _set_pair(contact, surface, every, first, last, cell, travel, dt, end, row, rigid):
-    """Set the state of a pair, given its facets; returns 0 unless they may touch.
+def _law_of(pairs, a, b, cell, travel):
+    """Entry of the law of two bodies, 0 without one, whether b comes first, and how near they act.
 
-    It is 2 if the other body comes first, else 1. `cell` is the least side of a cell.
+    `cell` is the least side of a cell.
     """
-    pairs, a, b = contact.pairs, surface.body[every[first].facet], every[first].body
     entry, swapped = pairs.entry[min(a, b), max(a, b)], a > b
     if entry < 0:
         entry, swapped = -entry, not swapped
     if entry == 0:
-        return 0
-    tied = pairs.kind[entry - 1] == TIED
-    least = inf
+        return entry, swapped, 0.0
+    near = NEAR * cell
+    if pairs.kind[entry - 1] != TIED:
+        near = max(min(near, SOON * travel), pairs.adhesion[entry - 1, 2])
+    return entry, swapped, near
+
+
+@inner_kernel
+def _set_pair(contact, surface, every, first, last, side, law, cell, dt, end, row, rigid):
+    """Set the state of a pair, given its facets, and their weights; returns whether it is one."""
+    pairs, a, b = contact.pairs, surface.body[every[first].facet], every[first].body
+    entry, swapped, near = law
+    tied, least = pairs.kind[entry - 1] == TIED, inf
     for n in range(first, last):
-        least = min(least, every[n].gap)
-    reach = pairs.adhesion[entry - 1, 2]
-    if not least < (NEAR * cell if tied else min(NEAR * cell, max(SOON * travel, reach))):
-        return 0
-    level = least if tied else _level(surface, every, first, last, least, FADES * cell)
+        every[n].weight = 0.0
+        if every[n].side == side:
+            least = min(least, every[n].gap)
+    if not least < near:
+        return False
+    normal, shear, reach = pairs.adhesion[entry - 1]
+    level, glued = NEAR * cell, 0.0
+    if not tied:
+        level = _level(surface, every, first, last, side, least, FADES * cell)
     clear_pair(row)
     end.law = entry
     end.bodies[0], end.bodies[1] = (b, a) if swapped else (a, b)
-    end.vertex[0], end.vertex[1], end.vertex[2] = 2 * surface.patch[every[first].facet], 0, 0
+    end.vertex[0], end.vertex[1] = surface.patch[every[first].facet], b
+    end.vertex[2] = 2 * side  # none is beside another one
     whole, gap, sign = 0.0, level - FADES * cell, 1.0 if swapped else -1.0
-    for side in range(3):
+    for k in range(3):
         for d in range(3):
-            rigid[side, d] = 0.0
+            rigid[k, d] = 0.0
     for n in range(first, last):
-        s = every[n].facet
-        w = _share(surface.area[s], every[n].gap, level, tied)
+        s, w = every[n].facet, _share(surface, every[n], side, level, tied)
+        if every[n].side == side and every[n].gap < reach:
+            glued += surface.area[s]
         if w == 0.0:
             continue
+        every[n].weight = w
         whole += w
         row.area += surface.area[s]
         for d in range(3):
@@ -175,20 +240,16 @@ def _set_pair(contact, surface, every, first, last, cell, travel, dt, end, row, 
             rigid[2, d] += w * surface.now[s, d]
     square = row.normal[0] ** 2 + row.normal[1] ** 2 + row.normal[2] ** 2
     if not square > 0.0:
-        return 0
+        return False
     for d in range(3):
         row.normal[d] /= sqrt(square)
         rigid[2, d] /= whole
     row.gap_rate = max(gap, -PARTS * cell) / dt
-    normal, shear, _ = pairs.adhesion[entry - 1]
-    if max(gap, 0.0) < reach:
-        row.adhesion, row.shear_adhesion = normal * row.area * dt, shear * row.area * dt
-    # Weights of the facets, for the rows.
+    row.area = max(row.area, glued)
+    row.adhesion, row.shear_adhesion = normal * glued * dt, shear * glued * dt
     for n in range(first, last):
-        s = every[n].facet
-        w = _share(surface.area[s], every[n].gap, level, tied)
-        every[n].gap = w / whole
-    return 2 if swapped else 1
+        every[n].weight /= whole
+    return True
 
 
 @inlined
@@ -217,7 +278,7 @@ def find_patch_pairs(
     contact : Contact
         Laws and rigid bodies.
     every : (n,) NEAR_FACET
-        Facets with their gaps, by patch and other body; gaps become weights.
+        Facets with their gaps, by patch and other body. Sides and weights are set here.
     fastest : float
         Greatest speed of a vertex or of a rigid body.
     scratch : ((m, NUMBERS) float64, (2, m) int64, (2^D,) float64)
@@ -249,19 +310,29 @@ def find_patch_pairs(
             and surface.patch[every[last].facet] == surface.patch[s]
         ):
             last += 1
-        end, rigid = contact_pairs.ends[pairs], contact_pairs.rigid[pairs]
-        row = contact_pairs.states[pairs]
-        order = _set_pair(contact, surface, every, first, last, cell, travel, dt, end, row, rigid)
-        if order > 0:
-            for side in range(2):
-                body = end.bodies[side]
-                own = side == order - 1
+        law = _law_of(contact.pairs, surface.body[s], every[first].body, cell, travel)
+        sides, side = 0, -1
+        if law[0] > 0:
+            sides = _find_sides(surface, every, first, last, law[2])
+        while sides >> (side + 1) != 0:
+            side += 1
+            if sides >> side & 1 == 0:
+                continue
+            end, rigid = contact_pairs.ends[pairs], contact_pairs.rigid[pairs]
+            row = contact_pairs.states[pairs]
+            if not _set_pair(
+                contact, surface, every, first, last, side, law, cell, dt, end, row, rigid
+            ):
+                continue
+            for a in range(2):
+                body = end.bodies[a]
+                own = (a == 1) == law[1]
                 f = s if own else every[first].other
                 if f < 0 or surface.cell[f] < 0:
-                    end.rows[side] = -1 - body
-                    _set_rigid_velocity(contact.rigid_bodies, -1 - body, rigid, side)
+                    end.rows[a] = -1 - body
+                    _set_rigid_velocity(contact.rigid_bodies, -1 - body, rigid, a)
                     continue
-                end.rows[side] = rows
+                end.rows[a] = rows
                 used = _add_row(
                     D, surface, cells, every, first, last, own, rows, used, scratch, coupling
                 )

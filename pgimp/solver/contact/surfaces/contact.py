@@ -58,7 +58,16 @@ class SurfaceContact(LagrangianContact):
 
     def moved(self) -> None:
         """See `NoContact.moved`."""
-        self._proximity.restart()
+        self._proximity.relocate()
+
+    @property
+    def search(self) -> np.ndarray:
+        """See `NoContact.search`."""
+        return self._proximity.state
+
+    def restore_search(self, search: np.ndarray) -> None:
+        """See `NoContact.restore_search`."""
+        self._proximity.restore(search)
 
     def exchange(self, rank: RankState, update: VertexUpdate) -> None:
         """See `NoContact.exchange`."""
@@ -143,7 +152,8 @@ class SurfaceContact(LagrangianContact):
         proximity, rigid, cells = self._proximity, self.rigid_bodies, near.cells
         every, scratch = proximity.candidates, proximity.scratch
         call(move_facets, frame, rigid, surface, cells, u, proximity.moving, scratch)
-        call(find_gaps, frame, rigid, self._walls, surface, cells, u, scratch, every)
+        far = proximity.far
+        call(find_gaps, frame, rigid, self._walls, surface, cells, u, scratch, far, every)
         most = len(every)
         pairs, seen = ContactPairs.empty(most), np.empty((2, len(near.keys)), np.int64)
         vertices, counts = (flat(values), seen, np.empty(2 ** len(frame.cell))), [0, 0]

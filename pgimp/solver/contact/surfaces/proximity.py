@@ -11,6 +11,7 @@ from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
 from pgimp.kernels.contact.surfaces.data import SurfaceCells, no_facets
+from pgimp.kernels.contact.surfaces.gaps import FARTHEST
 from pgimp.kernels.contact.surfaces.motion import move_facets
 from pgimp.kernels.contact.surfaces.search import bound_clusters, find_meeting, mark_between
 from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_VELOCITY
@@ -22,11 +23,15 @@ from pgimp.solver.contact.lagrangian.messages import greatest, swap
 from pgimp.solver.contact.surfaces.table import Table, bins_of, records_of
 from pgimp.solver.rank_state import RankState
 
-#: Cells within which facets of two bodies are known to each other, and by which each body may move
-#: until the next search; the most steps until then.
-REACH, TRAVEL, LONGEST = 1.0, 0.25, 16
+#: Cells by which each body may move until the next search, and the most steps until then.
+TRAVEL, LONGEST = 0.25, 16
 
 _U = slice(DISPLACEMENT, DISPLACEMENT + 3)
+
+#: What a checkpoint has of each candidate, and its parts: displacements, facets, moving ones,
+#: these.
+_KEPT = ("facet", "body", "other")
+_PARTS = 3 + len(_KEPT)
 
 
 class Near(NamedTuple):
@@ -68,13 +73,86 @@ class Proximity:
         self.candidates, self.moving = no_facets(0), np.empty(0, np.int64)
         self.root = 0
         self.scratch = np.zeros((3, 3)), np.zeros((2**scene.dimension, 3)), np.zeros(3)
+        cell, pairs = np.array(scene.domain.frame.cell), scene.interaction.pairs
+        adheres = pairs.adhesion[:, 2].max(initial=0.0) if pairs else 0.0
+        self.far = max(FARTHEST * cell.min(), adheres)
+        self._reach = (2.0 * TRAVEL) * cell + self.far
         self._pause, self._moved = 0, 0.0
-        self._records, self._before = np.empty(0, np.int64), np.empty((0, 3))
+        self._records = np.empty(0, np.int64)
         self._window: object = None
+        self._before = np.empty((0, 3))  # displacements of all surface vertices at the last search
+        self._restored = np.empty(0)
 
     def restart(self) -> None:
-        """Search in the next step: vertices or bodies have changed."""
-        self._pause, self._window = 0, None
+        """Search in the next step: the surfaces have changed."""
+        self._pause, self._window, self.near = 0, None, None
+
+    def relocate(self) -> None:
+        """Note that vertices have changed ranks, perhaps. This is no reason to search."""
+        self._window = None
+
+    @property
+    def state(self) -> np.ndarray:
+        """What a checkpoint has of the search, (n,) float64, of the root; empty on others.
+
+        It is state: in a concave corner the facet next to another may depend on where the way to it
+        begins.
+        """
+        if self.near is None or self.comm.rank != self.root:
+            return np.empty(0)
+        parts = (self._before.reshape(-1), self.near.facets, self.moving,
+                 *(self.candidates[name] for name in _KEPT))  # fmt: skip
+        return np.concatenate([[self._pause, self._moved], list(map(len, parts)), *parts])
+
+    def restore(self, state: np.ndarray) -> None:
+        """Continue with the `state` of a checkpoint, on every rank."""
+        self._restored = state
+
+    def _continue(self, rank: RankState, table: Table) -> None:
+        """Take over the state of a checkpoint, if it is of these surfaces; collective."""
+        state, self._restored = self._restored, np.empty(0)
+        sizes = state[2 : 2 + _PARTS].astype(np.int64)
+        if sizes[0] != 3 * len(table.keys) or len(state) != 2 + _PARTS + sizes.sum():
+            return
+        before, *parts = np.split(state[2 + _PARTS :], np.cumsum(sizes[:-1]))
+        facets, self.moving, *every = (part.astype(np.int64) for part in parts)
+        self._pause, self._moved, self._before = int(state[0]), state[1], before.reshape(-1, 3)
+        self.candidates = no_facets(len(every[0]))
+        for name, values in zip(_KEPT, every, strict=True):
+            self.candidates[name] = values
+        self._find_root(rank)
+        self._locate(rank, table, facets)
+
+    def _locate(self, rank: RankState, table: Table, facets: np.ndarray | None = None) -> None:
+        """Find the records of vertices, those near others on all ranks, and the root; collective.
+
+        `facets` are those that may meet others, by default as they were.
+        """
+        self._window, before = rank.grid.window, self.root
+        self._records = records_of(rank, table.numbers)
+        if facets is None and self.near is not None:
+            facets = self.near.facets
+            self._find_root(rank)
+            if self.root != before:
+                here = self.candidates, self.moving
+                self.candidates, self.moving = self.comm.bcast(here, before)
+        if facets is not None:
+            self.near = self._select(table, facets)
+
+    def _find_root(self, rank: RankState) -> None:
+        """Find the rank with the first layer; collective."""
+        slab = rank.grid.slab
+        first = slab.layers and slab.lower is None
+        self.root = -int(greatest(self.comm, -self.comm.rank if first else -self.comm.size))
+
+    def _everywhere(self, own: np.ndarray, u: np.ndarray) -> np.ndarray:
+        """Displacements of all surface vertices, given those of the mask `own`; collective."""
+        found = np.zeros((len(own), 3))
+        found[own] = u
+        if self.comm.size > 1:
+            for some, values in self.comm.allgather((np.flatnonzero(own), u)):
+                found[some] = values
+        return found
 
     def update(
         self, rank: RankState, table: Table, acts: np.ndarray, rigid: Any, dt: float, rate: float
@@ -90,30 +168,30 @@ class Proximity:
         dt, rate : float
             The step; most cells that a point of rigid bodies crosses per unit of time.
         """
+        if len(self._restored):
+            self._continue(rank, table)
+        if self._window is not rank.grid.window:
+            self._locate(rank, table)
         self._moved += rate * dt
         self._pause -= 1
         if self._pause >= 0:
             return
-        if self._window is not rank.grid.window:
-            self._window, self.near = rank.grid.window, None
-            self._records = records_of(rank, table.numbers)
-        motion = rank.grid.kept.values.reshape(-1, RECORD)[self._records[self._records >= 0]]
+        own = self._records >= 0
+        motion = rank.grid.kept.values.reshape(-1, RECORD)[self._records[own]]
         inverse, D = np.array(rank.grid.frame.inverse), self.scene.dimension
         speed = np.abs(motion[:, KEPT_VELOCITY : KEPT_VELOCITY + D]) * inverse
         travel = max(greatest(self.comm, float(speed.max(initial=0.0))), rate) * dt
         moved = np.inf
         if self.near is not None:
-            away = np.abs(motion[:, _U] - self._before)[:, :D] * inverse
+            away = np.abs(motion[:, _U] - self._before[own])[:, :D] * inverse
             moved = float(away.max(initial=0.0))
         left = TRAVEL - max(greatest(self.comm, moved), self._moved)
         if left > 4.0 * travel:
             self._pause = int(min(LONGEST, left / travel if travel > 0.0 else LONGEST)) - 1
             return
-        self._before, self._moved = motion[:, _U].copy(), 0.0
+        self._before, self._moved = self._everywhere(own, motion[:, _U]), 0.0
         self._pause = int(max(1.0, min(LONGEST, TRAVEL / travel if travel > 0.0 else LONGEST))) - 1
-        slab = rank.grid.slab
-        first = slab.layers and slab.lower is None
-        self.root = -int(greatest(self.comm, -self.comm.rank if first else -self.comm.size))
+        self._find_root(rank)
         boxes = self._boxes(rank, table, rigid)
         met, on_walls = self._meeting(table, acts, *boxes)
         facets = table.facets(np.unique(met))
@@ -141,8 +219,7 @@ class Proximity:
     ) -> tuple[np.ndarray, dict[int, np.ndarray]]:
         """Pairs of clusters that may meet, and for each wall the facets that may meet it."""
         frame, both = self.scene.domain.frame, acts | acts.T
-        cell = np.array(frame.cell)
-        reach = REACH * cell
+        cell, reach = np.array(frame.cell), self._reach
         some = _beside(table.body, low, high, reach, both)
         a, b = some[close_pairs(low[some], high[some], reach)].T
         met = both[table.body[a], table.body[b]] != 0
@@ -214,7 +291,7 @@ class Proximity:
             return
         frame = self.scene.domain.frame
         call(move_facets, frame, rigid, surface, near.cells, u, near.facets, self.scratch)
-        marks, reach = np.zeros(len(surface.x), np.uint8), (REACH * max(frame.cell), frame.cell[0])
+        marks, reach = np.zeros(len(surface.x), np.uint8), (self._reach.max(), frame.cell[0])
         call(mark_between, surface, (table.first, table.members), meeting, reach[0], marks)
         some = np.flatnonzero(marks)
         marks[:] = 0
@@ -235,8 +312,8 @@ class Proximity:
         for body, these in on_walls.items():
             axis, side, place, *_ = self.walls.planes[body - self.walls.first].tolist()
             at = frame.origin[axis] + (place - frame.ghost) * frame.cell[axis]
-            away = side * (at - surface.now[these, axis]) / frame.cell[axis]
-            these = these[(away < REACH) & (side * surface.turned[these, axis] > 0.0)]
+            away = side * (at - surface.now[these, axis])
+            these = these[(away < self._reach[axis]) & (side * surface.turned[these, axis] > 0.0)]
             one = no_facets(len(these))
             one["facet"], one["body"], one["other"] = these, body, -1
             marks[these] = 1

@@ -64,8 +64,10 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     # What lies on a wall that lets go meets it.
     letting = {(face.axis, face.side) for face in scene.domain.faces if face.condition.approaches}
     closed = [face for face in scene.interaction.loads.surfaces.closed if face not in letting]
-    found = [facets_of(body, origin, cell, closed) for body in every]
-    body = np.repeat(np.arange(len(found)), [len(each.x) for each in found])
+    gone = [scene.body_names.index(name) for name in scene.case.staged.removed]
+    here = [number for number in range(len(every)) if number not in gone]
+    found = [facets_of(every[number], origin, cell, closed) for number in here]
+    body = np.repeat(here, [len(each.x) for each in found])
     facets = Facets.joined(found)
     soft = body < len(scene.body_names)
     cells, of, numbers = _cells(rank, facets, body, soft, fields)
@@ -76,8 +78,8 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     start, beside = _beside(facets.x, body, float(cell.max()) * _BESIDE[D - 1], D)
     surface = Surface(
         facets.x, facets.normal, facets.middle, facets.half, facets.area, facets.patch, body,
-        index, place, _tips(facets, start, beside), start, beside, np.zeros((len(body), 3)),
-        np.zeros((len(body), 3)),
+        index, place, _tips(facets, start, beside), start, beside,
+        np.full((len(body), 3), np.inf), np.zeros((len(body), 3)),
     )  # fmt: skip
     keys = np.empty(len(numbers), np.int64)
     keys_of_vertices(_bits(frame, 1 + max(fields, default=0)), numbers, keys)

@@ -49,7 +49,9 @@ def disks(V, offset, v=0.01, aside=0.0, friction=0.0):
     one = np.array([R + 3.0, R + 3.0]) + offset
     bodies = {
         "a": exact(ball(one), velocity=[C * (V[0] + v), C * V[1]]),
-        "b": exact(ball(one + np.array([2.0 * R + 0.3, aside])), velocity=[C * (V[0] - v), C * V[1]]),
+        "b": exact(
+            ball(one + np.array([2.0 * R + 0.3, aside])), velocity=[C * (V[0] - v), C * V[1]]
+        ),
     }
     end = (0.15 / v + 12.0 * R) / C
     size = [4.0 * R + 9.0 + abs(V[0]) * C * end, 2.0 * R + 8.0 + aside + abs(V[1]) * C * end]

@@ -36,6 +36,8 @@ from rank_scenes.initial_bodies import (
     initial_contact,
     initial_lattice,
     initial_stages,
+    surface_contact,
+    surface_stages,
 )
 from rank_scenes.laws import VARIED, affine, flowing, metals, varied
 from rank_scenes.leaving import PROBES, line_leaves, plane_leaves, sinks
@@ -98,6 +100,8 @@ SCENES = (
             exact_rings,
             initial_stages,
             initial_contact,
+            surface_contact,
+            surface_stages,
             initial_lattice,
             averaged_lattice,
             averaged_contact,

@@ -254,6 +254,87 @@ def exact_contact():
     return case
 
 
+def surface_contact():
+    """Bodies exact to their surface meet, across slabs: each other, tools, a floor that lets go.
+
+    Corners meet, one body is tied to another whose lattice differs, one is pressed by a free
+    rigid body, another rolls on a drum.
+    """
+    disk = {"ball": {"centre": [4.3, 5.6], "radius": 1.37}}
+    bodies = {
+        "flies": {"material": "stiff", "region": disk, "velocity": [9.0, -1.0]},
+        "lies": box([8.03, 0.0], [13.1, 1.93]),
+        "slides": box([8.5, 1.93], [10.57, 4.1], [3.0, 0.0]),
+        "glued": box([11.87, 1.93], [13.02, 3.48]),
+        "falls": box([17.0, 4.03], [19.5, 6.0], [-1.0, -3.0], "stiff"),
+        "edged": box([14.1, 2.7], [16.4, 4.6], [3.0, 0.5]),
+    }
+    more = {"configuration": "initial", "surface": "exact"}
+    bodies = {name: body | more for name, body in bodies.items()}
+    rotation = {"about": [18.0, 1.5], "rate": -4.0}
+    bodies["drum"] = {"rigid": {"rotation": rotation},
+                      "region": {"ball": {"centre": [18.0, 1.5], "radius": 1.7}}}  # fmt: skip
+    bodies["ram"] = {"rigid": {"velocity": {"table": [[0.0, [6.0, 0.0]], [1.0, [2.0, 0.0]]]}},
+                     "region": {"box": {"min": [-6.0, 2.0], "max": [2.5, 8.0]}}}  # fmt: skip
+    bodies["puck"] = {"rigid": {"density": 2.0}, "velocity": [-1.0, -2.0],
+                      "region": {"box": {"min": [12.2, 4.3], "max": [13.9, 5.9]}}}  # fmt: skip
+    return scene(
+        2,
+        bodies,
+        cells=[24, 8],
+        shape="finite-gimp",
+        end=1.0,
+        step={"courant": 0.3},
+        materials=PAIR,
+        gravity=[0.0, -1.0],
+        boundaries={"y-min": {"separating": {"friction": 0.2}}, "x-max": "slip"},
+        contact=[
+            {"bodies": "all", "friction": {"static": 0.4, "kinetic": 0.3}},
+            {"bodies": ["lies", "glued"], "law": "tied"},
+            {"bodies": ["lies", "drum"], "adhesion": {"normal": 1.0, "reach": 0.3}},
+        ],
+        output={"every": 0.25, "fields": EVERYTHING},
+        history={"every": {"steps": 10}},
+    )
+
+
+def surface_stages():
+    """Bodies exact to their surface, in stages: bonds become friction, a touched body goes."""
+    spin = {"rotation": {"about": [9.0, 3.0], "rate": 0.2}, "translation": [0.5, 0.4]}
+    bodies = {
+        "a": box([2.2, 2.3], [7.21, 4.3], spin),
+        "b": box([7.21, 2.3], [12.04, 4.3], spin, "stiff"),
+        "c": box([12.04, 2.3], [17.1, 4.3], spin),
+        "falls": box([13.1, 4.8], [15.6, 6.7], [0.0, -5.0]),
+    }
+    more = {"configuration": "initial", "surface": "exact"}
+    bodies = {name: body | more for name, body in bodies.items()}
+    held = {"body": "b", "region": {"box": {"min": [8.0, 2.0], "max": [9.0, 5.0]}}}
+    tied = [{"bodies": ["a", "b"], "law": "tied"}, {"bodies": ["b", "c"], "law": "tied"}]
+    case = scene(
+        2,
+        bodies,
+        cells=[20, 12],
+        shape="finite-gimp",
+        end=0.3,
+        step={"courant": 0.3},
+        materials=PAIR,
+        boundaries={"y-min": "separating"},
+        contact=[{"bodies": "all", "friction": 0.3}, *tied],
+        gravity=[0.0, -2.0],
+        output={"every": 0.25, "fields": EVERYTHING},
+        history={"every": {"steps": 10}},
+    )
+    case["time"]["stages"] = [
+        {"name": "grip", "end": 0.5, "constraints": {"grip": held | {"velocity": [None, 2.0]}}},
+        {"name": "loose", "end": 0.7, "contact": [{"bodies": "all", "friction": 0.1}, tied[1]]},
+        {"name": "bound", "end": 0.9, "constraints": {"grip": None},
+         "contact": [{"bodies": "all", "friction": 0.1}, *tied]},
+        {"name": "gone", "end": 1.1, "remove": ["c"]},
+    ]  # fmt: skip
+    return case
+
+
 def both_configurations():
     """Water falls on a plate in the initial configuration, which a free ball hits and a ram pushes.
 
