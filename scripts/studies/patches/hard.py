@@ -3,7 +3,7 @@
 from math import cos, pi, radians, sin
 
 import numpy as np
-from studies.patches.impacts import C, SOLID, energy, exact
+from studies.patches.impacts import SOLID, C, energy, exact
 from studies.patches.pressed import turned
 from studies.scenes import ball, box, case_of, core
 

@@ -3,11 +3,10 @@
 from math import cos, pi, radians, sin, sqrt
 
 import numpy as np
-from studies.patches.impacts import C, SOLID, YOUNG, exact
+from studies.patches.impacts import SOLID, YOUNG, C, exact
 from studies.scenes import ball, box, case_of, core
 
 from pgimp.kernels.data.motion import DISPLACEMENT
-from pgimp.kernels.data.record import RECORD
 
 
 def shifted(sim, beyond, way):
