@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, Field
 
 from pgimp.physics.columns import GRID
-from pgimp.physics.derived import DERIVED, OF_STRESS
-from pgimp.physics.fields import OPTIONAL, PREFIX
+from pgimp.physics.derived import COMPUTED, DERIVED, OF_STRESS
+from pgimp.physics.fields import ALWAYS, OPTIONAL, PREFIX
 from pgimp.schema.base import Count, Interval, Model, Name, NonNegative, Positive, Steps, Vector
 from pgimp.schema.dispatch import Either
 from pgimp.schema.messages import nearest, unknown
@@ -29,6 +29,8 @@ def _field(value: str) -> str:
     """Accept fields of any material; `check_fields` checks them against the case."""
     if value.startswith(PREFIX):
         return value
+    if value in ALWAYS:
+        raise problem(f"every frame has {value}: leave it out")
     if value not in OPTIONAL and value not in (states := _states()):
         names = [*OPTIONAL, *states]
         if nearest(value, names) not in DERIVED:  # a shorter list
@@ -75,8 +77,8 @@ GridName = Annotated[
 
 DerivedName = Annotated[
     str,
-    AfterValidator(lambda value: _known(value, DERIVED)),
-    Field(strict=True, json_schema_extra={"enum": [*DERIVED]}),
+    AfterValidator(lambda value: _known(value, COMPUTED)),
+    Field(strict=True, json_schema_extra={"enum": [*COMPUTED]}),
 ]
 """Name of a field that is computed from others."""
 

@@ -50,6 +50,7 @@ from pgimp.utilities.check.steps import (
     report_steps,
     short_step_warnings,
 )
+from pgimp.utilities.check.surfaces import vertex_notes
 from pgimp.utilities.model.pilot import pilot
 
 
@@ -154,6 +155,7 @@ def report(case: Case, verbose: bool = False) -> None:
     no_result = case.time.mass_scaling != 1.0  # is meant to be slow
     for note in (
         *known.notes,
+        *vertex_notes(written, count),
         *scaling_notes(case),
         *(one.text for one in sent if not (no_result and one.lasts)),
         *tool_edges.notes(scene, bodies, duration),

@@ -200,15 +200,6 @@ def kinetic_energy(source: Source) -> Array:
     return 0.5 * (source.take("m") / volume(source)) * total
 
 
-#: Field with values of its own, found from all particles: `solver/state/recovered_stress.py`.
-RECOVERED = "recovered-stress"
-
-
-def _six_columns(sigma: Array) -> Array:
-    """Return stresses (n, 3 to 6) as (n, 6): what one particle alone says."""
-    return np.stack(_six(sigma), axis=1)
-
-
 DERIVED = {
     "principal-stress": Field(
         _of_stress("principal-stress"),
@@ -245,14 +236,6 @@ DERIVED = {
         _of_stress("triaxiality"),
         "mean stress over von Mises stress, tension positive; 0 without shear [1]",
     ),
-    RECOVERED: Field(
-        lambda source: _six_columns(source.take("sigma")),
-        "stress at the particle's place, of a probe at its own, by a linear fit to the particles "
-        "of the body within a cell: of second order, at surfaces too; of bodies in the initial "
-        "configuration [stress]",
-        components=TENSOR,
-        kind="Matrix",
-    ),
     "volume-ratio": Field(volume_ratio, "J, the determinant of F [1]"),
     "principal-stretch": Field(
         principal_stretch,
@@ -275,3 +258,21 @@ DERIVED = {
     "kinetic-energy-density": Field(kinetic_energy, "kinetic energy per volume [stress]"),
 }
 """Fields computed from others as a frame is written, when they are asked for."""
+
+#: Stress by a fit to particles, see `pgimp.solver.lagrangian.recovered_stress`.
+RECOVERED = "recovered-stress"
+
+FITTED = {
+    RECOVERED: Field(
+        lambda source: np.stack(_six(source.take("sigma")), axis=1),
+        "stress where the particle is, or at the place that a probe names, by a linear fit to the "
+        "body's particles within a cell, which is better than `stress`, most of all at surfaces; "
+        "of bodies in the initial configuration [stress]",
+        components=TENSOR,
+        kind="Matrix",
+    )
+}
+"""Fields from particles and their neighbours; one that is looked at alone has its own value."""
+
+COMPUTED = DERIVED | FITTED
+"""All of these."""

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from pgimp.physics.derived import DERIVED, OF_STRESS
+from pgimp.physics.derived import COMPUTED, OF_STRESS
 from pgimp.physics.source import TENSOR, Array, Field, Source, volume, within
 
 #: Prefix of the fields of spatially varying parameters, before their keys in the case.
@@ -228,7 +228,7 @@ OPTIONAL = {
         "nature, `pgimp compare` leaves it out",
         dtype="<i4",
     ),
-} | DERIVED
+} | COMPUTED
 """What ``output.fields`` may name in every case, to which states of materials come."""
 
 FIELDS = ALWAYS | OPTIONAL

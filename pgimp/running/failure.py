@@ -19,7 +19,7 @@ from pgimp.kernels.data.frame import volume_ratio
 from pgimp.kernels.order.order import vertices_of
 from pgimp.kernels.step.checks import OUTSIDE
 from pgimp.mpi.collective import on_root
-from pgimp.physics.derived import DERIVED
+from pgimp.physics.derived import DERIVED, FITTED
 from pgimp.physics.fields import BY_RANKS, FIELDS, Source
 from pgimp.solver.lagrangian.pieces import source_at
 from pgimp.solver.particle_groups import fastest
@@ -85,7 +85,7 @@ def _write(folder: Path, sim: Simulation, failure: Failure, text: str, history: 
     found = _Found(rows, kinds, _places(sim, rows)[0])
     chosen, radius = _around(sim, found)
     # The same on any number of ranks.
-    fields = [name for name in scene.fields if name not in {*BY_RANKS, *DERIVED}]
+    fields = [name for name in scene.fields if name not in {*BY_RANKS, *DERIVED, *FITTED}]
     if not scene.settings.origins:
         fields.remove("displacement")
     if not scene.domain.ends:

@@ -14,7 +14,7 @@ from pgimp.io.rundir.ownfiles import FRAME
 from pgimp.physics.derived import RECOVERED
 from pgimp.physics.fields import ALWAYS
 from pgimp.solver.lagrangian.pieces import source_at
-from pgimp.solver.state.recovered_stress import recovered_at
+from pgimp.solver.lagrangian.recovered_stress import recovered_at
 
 if TYPE_CHECKING:
     from pgimp.case.schema import Case

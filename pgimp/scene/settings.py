@@ -24,6 +24,9 @@ class Settings:
         Which bodies have an averaged mass.
     shape : NamedTuple
         Parameters of the shape; its support has `vertices` per direction.
+    uncut : NamedTuple
+        Parameters of the shape of whole particles. `shape` differs where bodies are exact to their
+        surface; in contact, at current positions, their particles are cut boxes as others.
     exact_surfaces : (bodies,) bool
         Which bodies are exact to their surface.
     follows : bool
@@ -56,6 +59,7 @@ class Settings:
         method = case.method
         self.exact_surfaces = np.array([b.surface == "exact" for b in case.bodies.values()], bool)
         self.shape = (method.fixed if self.initial else method.parameters)(tuple(case.grid.cell))
+        self.uncut = self.shape
         if self.exact_surfaces.any():  # whole particles have the same weights
             self.shape = PartParameters(tuple(0.0 for _ in case.grid.cell))
         self.vertices: int = self.shape.vertices()

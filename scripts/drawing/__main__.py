@@ -40,7 +40,13 @@ from hard import (
     nut,
     own_swirl,
 )
-from lessons import tutorial_dam_break, tutorial_footing, tutorial_impact, tutorial_own_material
+from lessons import (
+    tutorial_dam_break,
+    tutorial_footing,
+    tutorial_hopkinson,
+    tutorial_impact,
+    tutorial_own_material,
+)
 from looking import block3d, block3d_initial, block3d_paraview
 from meeting import corner, drum, hertz, hertz_line
 from metal import plate_impact, taylor_bar, thick_tube
@@ -57,7 +63,8 @@ PICTURES = {function.__name__.replace("_", "-"): function for function in (
     footing, cavity, cone, tunnel, shaking, shaken_slope, dam_break, jet, hopper, gate, blast, nut,
     fluid_dam_break, own_swirl, own_taylor_green, own_spinning_disk, revolved_disk,
     hard_translation, hard_column, hard_shock, hard_spinning, hard_bending, hard_grazing,
-    tutorial_footing, tutorial_impact, tutorial_dam_break, tutorial_own_material, error_and_cost,
+    tutorial_footing, tutorial_impact, tutorial_dam_break, tutorial_hopkinson,
+    tutorial_own_material, error_and_cost,
 )}  # fmt: skip
 parser = argparse.ArgumentParser(prog="scripts/pictures")
 parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(PICTURES))

@@ -36,6 +36,11 @@ def tutorial_dam_break(redraw):
     lesson("dam-break", redraw)
 
 
+def tutorial_hopkinson(redraw):
+    """Stress at the gauges, and the specimen's curve."""
+    lesson("hopkinson", redraw)
+
+
 def tutorial_own_material(redraw):
     """Stress along a path, and the top of the column."""
     lesson("own-material", redraw)

@@ -258,6 +258,12 @@ def test_fields_of_materials_that_no_body_has(field):
     mentions(line, "no body is of a material that has it ('clay')", "there are: ", "stress")
 
 
+def test_fields_that_every_frame_has():
+    """They are known, and need no name."""
+    (line,) = lines_of(GOOD.replace("[stress]", "[volume]"))
+    mentions(line, "output.fields.0", "every frame has volume", "leave it out")
+
+
 def test_a_rigid_body_is_no_unknown_one():
     rigid = "  punch: {rigid: {}, region: {box: {min: [0, 5], max: [1, 6]}}}\ngravity:"
     entries = """

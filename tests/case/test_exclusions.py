@@ -115,6 +115,7 @@ ASKED = {
     g.contact_forces: {"output.grid": ["contact"]},
     g.wall_gauges: {"boundaries.y-min": "separating", "gauges.wall": {"wall": "y-min"}},
     g.level_gauges: {"gauges.level": {"level": [3.0]}},
+    g.recovered: {"output.fields": ["recovered-stress"], **INITIAL},
     g.probes: {"probes.tip": {"body": "block", "at": [3.5, 3.5]}},
 }  # fmt: skip
 

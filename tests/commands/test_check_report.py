@@ -6,11 +6,14 @@ from itertools import product
 import pytest
 from checked import MM, PLATE, SI, block, facts, plate
 from mentioned import mentions
+from scenes import scene
 
 from pgimp.case.load import load
 from pgimp.case.reader import read_case
+from pgimp.case.schema import Case
 from pgimp.commands import check
 from pgimp.commands.init import packaged
+from pgimp.errors import CaseError
 from pgimp.running import forecast
 from pgimp.scene.scene import Scene
 from pgimp.utilities.check.steps import report_stages
@@ -40,6 +43,16 @@ def test_the_report_says_what_chosen_steps_save(speed, fewer, capsys, unmeasured
     said = capsys.readouterr().out
     assert "chosen by pgimp" in said and "fewer steps" not in said
     assert "warning: time.step" not in said
+
+
+def test_the_report_says_which_vertices_move_by_themselves(capsys, unmeasured):
+    """Of a plate a quarter of a cell thick, exact to its surface; long steps are refused."""
+    region = {"box": {"min": [1.3, 2.97], "max": [6.4, 3.25]}}
+    body = {"material": "soft", "region": region, "configuration": "initial", "surface": "exact"}
+    check.report(Case.model_validate(scene(2, body, step=0.005, end=0.2)))
+    assert "cell near them to move with: 15 (surface: exact)" in capsys.readouterr().out
+    with pytest.raises(CaseError, match="stable up to the Courant number"):
+        check.report(Case.model_validate(scene(2, body, step={"courant": 0.5}, end=0.2)))
 
 
 def test_the_report_has_the_warnings(capsys, unmeasured):

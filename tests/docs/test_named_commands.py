@@ -23,7 +23,10 @@ COMMAND = re.compile(BEFORE.pattern + r"(?P<command>(pgimp|scripts/[\w./-]+)( .*
 THEIRS = ("case.yaml", "my-case.yaml", "mine.yaml")
 PLACEHOLDER = re.compile(r"\[?[A-Z]+\d?(\.yaml|\.py|\.out)?(\.\.\.)?\]?")
 #: Options of mpirun, pytest, Slurm and EasyBuild.
-FOREIGN = {"--mpi", "--hypothesis-profile", "--mem", "--signal", "--robot", "--sourcepath"}
+FOREIGN = {
+    "--mpi", "--hypothesis-profile", "--mem", "--signal", "--robot", "--sourcepath", "--map-by",
+    "--bind-to", "--cpu-set", "--mca", "--oversubscribe",
+}  # fmt: skip
 
 
 def spans(text):

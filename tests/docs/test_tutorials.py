@@ -97,6 +97,18 @@ def test_dam_break(tmp_path):
 
 
 @pytest.mark.wide
+def test_hopkinson(tmp_path):
+    said = followed("hopkinson", tmp_path)
+    # What the page says of the pulse's front is what the script says of the greatest stress.
+    found = [
+        float(re.search(r"greatest +(\d+) MPa", said[f"python curve.py {name}.out"].text)[1])
+        for name in ("lumped", "hopkinson")
+    ]
+    over = stated("hopkinson", "overshoots by # % with lumped mass, and by # %")
+    assert [100.0 * (each / 197.5 - 1.0) for each in found] == pytest.approx(over, abs=1.0)
+
+
+@pytest.mark.wide
 def test_own_material(tmp_path):
     said = followed("own-material", tmp_path)
     (rows,) = (each.text for words, each in said.items() if words.startswith("pgimp element"))

@@ -13,7 +13,7 @@ from scenes import box, scene, start, write_case
 import pgimp
 from pgimp.errors import RunError
 from pgimp.kernels.step.checks import INVERTED, NOT_FINITE
-from pgimp.physics.derived import DERIVED
+from pgimp.physics.derived import DERIVED, FITTED
 from pgimp.physics.fields import EVERY
 from pgimp.running import failure
 
@@ -89,7 +89,7 @@ def test_the_neighbourhood_is_all_within_three_cells(runs, tmp_path):
     order = [row[i] for i in sorted(wanted)]
     assert found["fault"].tolist() == [INVERTED if i in ids else 0 for i in sorted(wanted)]
     # The same on any number of ranks.
-    assert set(found) == {*EVERY, "connectivity"} - {"rank", "unwrapped", *DERIVED}
+    assert set(found) == {*EVERY, "connectivity"} - {"rank", "unwrapped", *DERIVED, *FITTED}
     np.testing.assert_array_equal(found["position"][:, :2], p.x[order])
     np.testing.assert_array_equal(found["stress"][:, :4], p.sigma[order])
     assert (found["radius"] > 0.0).all()

@@ -16,11 +16,11 @@ from two_blocks import CASE
 
 import pgimp
 from pgimp.io.checkpoints.checkpointfile import CheckpointFile
-from pgimp.physics.derived import DERIVED
+from pgimp.physics.derived import DERIVED, FITTED
 from pgimp.physics.fields import BY_RANKS, OPTIONAL
 from pgimp.running.checkpoints import present
 
-ALL = [name for name in OPTIONAL if name not in {*BY_RANKS, *DERIVED, "unwrapped"}]
+ALL = [name for name in OPTIONAL if name not in {*BY_RANKS, *DERIVED, *FITTED, "unwrapped"}]
 #: What fills the disk, and the file that the message must name.
 FILLED_BY = {
     "frames": (

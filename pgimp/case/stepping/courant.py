@@ -71,7 +71,7 @@ def vertex_limit(case: Any) -> float | None:
     if method.volumetric == "mean" and case.dimensions > 1 and not any(exact):
         return None
     if exact and all(exact):
-        return EXACT_LIMIT
+        return averaged_limit(case, EXACT_LIMIT)
     known = method.limits.get("vertices") or VERTEX_LIMITS.get(method.name, {})
     found = known.get(case.dimensions)
     if found is None:

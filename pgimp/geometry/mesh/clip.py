@@ -14,6 +14,8 @@ from pgimp.jit.kernel import allocating_kernel, kernel
 _CORNERS = 16
 #: Sums of a box: volume, moments (x, y, z), area of the pieces' shadows, its moments (x, y).
 SUMS = 7
+#: Further sums, if products are asked for: of yz, xz, xy, xyz, and of xy over the shadows.
+PRODUCTS = 5
 
 
 @kernel
@@ -67,6 +69,37 @@ def _add(polygon, n, corner, centre, sums):
         sums[4] += area
         sums[5] += area * (x / 3.0 - xc)
         sums[6] += area * (y / 3.0 - yc)
+        if len(sums) > SUMS:
+            a, b, c = (ax - xc, ay - yc, az), (bx - xc, by - yc, bz), (cx - xc, cy - yc, cz)
+            _add_products(a, b, c, area, zc, sums)
+
+
+@kernel
+def _add_products(a, b, c, area, zc, sums):
+    """Add products of inertia of the prism below a triangle, given about the middle axis.
+
+    Integrals of products of linear functions over a triangle are sums over its corners.
+    """
+    x, y, z = a[0] + b[0] + c[0], a[1] + b[1] + c[1], a[2] + b[2] + c[2]
+    xy = a[0] * a[1] + b[0] * b[1] + c[0] * c[1]
+    xz = a[0] * a[2] + b[0] * b[2] + c[0] * c[2]
+    yz = a[1] * a[2] + b[1] * b[2] + c[1] * c[2]
+    zz = a[2] * a[2] + b[2] * b[2] + c[2] * c[2]
+    xyz = a[0] * a[1] * a[2] + b[0] * b[1] * b[2] + c[0] * c[1] * c[2]
+    xzz = a[0] * a[2] * a[2] + b[0] * b[2] * b[2] + c[0] * c[2] * c[2]
+    yzz = a[1] * a[2] * a[2] + b[1] * b[2] * b[2] + c[1] * c[2] * c[2]
+    xyzz = a[0] * a[1] * a[2] ** 2 + b[0] * b[1] * b[2] ** 2 + c[0] * c[1] * c[2] ** 2
+    flat = area * (x * y + xy) / 12.0
+    tall = area * (x * y * z + x * yz + y * xz + z * xy + 2.0 * xyz) / 60.0
+    high = x * y * z * z + x * y * zz + 2.0 * z * (x * yz + y * xz) + z * z * xy
+    high += xy * zz + 2.0 * xz * yz + 2.0 * (x * yzz + y * xzz + 2.0 * z * xyz) + 6.0 * xyzz
+    of_y = area * (y * z * z + y * zz + 2.0 * z * yz + 2.0 * yzz) / 60.0
+    of_x = area * (x * z * z + x * zz + 2.0 * z * xz + 2.0 * xzz) / 60.0
+    sums[7] += 0.5 * of_y - zc * area * (y * z + yz) / 12.0
+    sums[8] += 0.5 * of_x - zc * area * (x * z + xz) / 12.0
+    sums[9] += tall
+    sums[10] += area * high / 720.0 - zc * tall
+    sums[11] += flat
 
 
 @kernel
@@ -104,7 +137,7 @@ def clip_plane(T, chosen, x0, x1, ey, ez, sums, touched):
         Both ends of the plane.
     ey, ez : (ny + 1,), (nz + 2,) float64
         Edges of its boxes; the last of `ez` is infinite, as triangles above cast shadows too.
-    sums : (ny, nz + 1, SUMS) float64
+    sums : (ny, nz + 1, SUMS or SUMS + PRODUCTS) float64
         Sums of each box, initially zero.
     touched : (ny, nz + 1) bool
         Boxes that contain a piece of the surface, initially False.
@@ -210,8 +243,8 @@ def settle_plane(sums, touched, dx, ey, ez, slack, inside, parts):
         Tolerance for rounding, as a part of a box.
     inside : (ny, nz) bool
         Boxes that lie inside and that no surface reaches.
-    parts : (ny, nz, 4) float64
-        Volume and moments of the other boxes.
+    parts : (ny, nz, 4 or 8) float64
+        Volume and moments of the other boxes, and products of inertia: yz, xz, xy, xyz.
 
     Returns
     -------
@@ -219,11 +252,12 @@ def settle_plane(sums, touched, dx, ey, ez, slack, inside, parts):
         A faulty box as j nz + k, else -1. A box is faulty if its part is negative, exceeds the
         box, or exists without a surface.
     """
-    ny, nz = parts.shape[0], parts.shape[1]
+    ny, nz, more = parts.shape[0], parts.shape[1], parts.shape[2] - 4
     wrong = -1
     for j in range(ny):
         area = dx * (ey[j + 1] - ey[j])
         shadow, mx, my = sums[j, nz, 4], sums[j, nz, 5], sums[j, nz, 6]
+        mxy = sums[j, nz, 11] if more > 0 else 0.0
         for k in range(nz - 1, -1, -1):
             tall = ez[k + 1] - ez[k]
             volume = sums[j, k, 0] + tall * shadow
@@ -233,6 +267,8 @@ def settle_plane(sums, touched, dx, ey, ez, slack, inside, parts):
                 parts[j, k, 1] = sums[j, k, 1] + tall * mx
                 parts[j, k, 2] = sums[j, k, 2] + tall * my
                 parts[j, k, 3] = sums[j, k, 3]
+                for n in range(more):
+                    parts[j, k, 4 + n] = sums[j, k, 7 + n] + (tall * mxy if n == 2 else 0.0)
                 bad = part < -slack or part > 1.0 + slack
             else:
                 inside[j, k] = part > 0.5
@@ -242,4 +278,5 @@ def settle_plane(sums, touched, dx, ey, ez, slack, inside, parts):
             shadow += sums[j, k, 4]
             mx += sums[j, k, 5]
             my += sums[j, k, 6]
+            mxy += sums[j, k, 11] if more > 0 else 0.0
     return wrong

@@ -126,7 +126,7 @@ class Surface(NamedTuple):
             capacity = most
 
     def fill(
-        self, edges: list[Reals], ranges: list[tuple[int, int]]
+        self, edges: list[Reals], ranges: list[tuple[int, int]], products: bool = False
     ) -> tuple[NDArray[np.bool_], Ints, Reals, Reals]:
         """Return the exact parts of the body in the boxes of a part of a lattice.
 
@@ -136,6 +136,8 @@ class Surface(NamedTuple):
             Edges of the lattice's boxes by direction.
         ranges : list of (int, int)
             First box and end by direction.
+        products : bool
+            Whether to measure products of inertia, too.
 
         Returns
         -------
@@ -143,7 +145,7 @@ class Surface(NamedTuple):
             Boxes that lie inside and that no surface reaches.
         places : (n,) int64
             Boxes that the surface reaches, ascending.
-        volume, moment : (n,) and (n, D) float64
+        volume, moment : (n,) and (n, D or 2^D - 1) float64
             Volumes of their parts inside, and moments about the boxes' centres.
 
         Raises
@@ -151,17 +153,18 @@ class Surface(NamedTuple):
         CaseError
             If the surface overlaps itself, with the position.
         """
-        from pgimp.geometry.mesh.clip import SUMS, clip_plane, settle_plane
+        from pgimp.geometry.mesh.clip import PRODUCTS, SUMS, clip_plane, settle_plane
 
         cut = [e[begin : end + 1] for e, (begin, end) in zip(edges, ranges, strict=True)]
         ex, ey, ez = (cut[0], np.array([0.0, 1.0]), cut[1]) if self.dimensions == 2 else cut
         shape = (len(ex) - 1, len(ey) - 1, len(ez) - 1)
         beyond = np.append(ez, np.inf)
         whole = np.zeros(shape, bool)
-        places, found = [np.zeros(0, np.int64)], [np.zeros((0, 4))]
-        sums = np.empty((shape[1], shape[2] + 1, SUMS))
+        width = 8 if products else 4
+        places, found = [np.zeros(0, np.int64)], [np.zeros((0, width))]
+        sums = np.empty((shape[1], shape[2] + 1, SUMS + PRODUCTS * products))
         touched = np.empty(sums.shape[:2], bool)
-        parts = np.empty((shape[1], shape[2], 4))
+        parts = np.empty((shape[1], shape[2], width))
         for i, chosen in self._reaching(ex):
             sums[:], touched[:] = 0.0, False
             if len(chosen):
@@ -179,9 +182,9 @@ class Surface(NamedTuple):
                     )
             here = np.flatnonzero(touched[:, : shape[2]])
             places.append(here + i * shape[1] * shape[2])
-            found.append(parts.reshape(-1, 4)[here])
+            found.append(parts.reshape(-1, width)[here])
         values = np.concatenate(found)
-        moment = values[:, 1:] if self.dimensions == 3 else values[:, [1, 3]]
+        moment = values[:, 1:] if self.dimensions == 3 else values[:, [1, 3, 5][: width // 4 + 1]]
         return whole.reshape(-1), np.concatenate(places), values[:, 0].copy(), moment
 
     def _reaching(self, ex: Reals) -> Iterator[tuple[int, Ints]]:

@@ -91,7 +91,7 @@ class Region(ABC):
         return []
 
     def fill(
-        self, edges: list[Lengths], ranges: Sequence[tuple[int, int]]
+        self, edges: list[Lengths], ranges: Sequence[tuple[int, int]], products: bool = False
     ) -> tuple[Mask, NDArray[np.int64], Lengths, Points] | None:
         """Measure all boxes of a part of a lattice; None if boxes are measured one by one.
 
@@ -101,6 +101,8 @@ class Region(ABC):
             Edges of the lattice's boxes by direction.
         ranges : list of (int, int)
             First box and end by direction; the boxes are numbered in C order.
+        products : bool
+            Whether to measure products of inertia, too.
 
         Returns
         -------
@@ -108,8 +110,24 @@ class Region(ABC):
             Boxes that lie inside and do not meet the surface.
         places : (n,) int64
             Boxes that meet the surface, ascending.
-        volume, moment : (n,) and (n, D) float64
+        volume, moment : (n,) and (n, D or 2^D - 1) float64
             See `pgimp.geometry.measure.measure`.
+        """
+        return None
+
+    def facets(
+        self, edges: list[Lengths]
+    ) -> tuple[NDArray[np.int64], Points, Points, Points] | None:
+        """Pieces of a surface of triangles in the boxes of a lattice; None for other surfaces.
+
+        Returns
+        -------
+        box : (n, D) int64
+            Numbers of their boxes by direction.
+        centre, area : (n, D) float64
+            Centroids, and area vectors out of the region.
+        second : (n, 0, 1 or 4) float64
+            Means of products of the distances from the centroid: xy in 2D; yz, xz, xy, xyz in 3D.
         """
         return None
 

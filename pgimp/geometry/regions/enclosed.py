@@ -84,12 +84,18 @@ class Enclosed(Model, Region):
         """See `Region.crossings`."""
         return self.surface.crossings(points, axis)
 
+    def facets(self, edges: list[Lengths]) -> tuple[NDArray[np.int64], Points, Points, Points]:
+        """See `Region.facets`."""
+        from pgimp.geometry.mesh.facets import facets
+
+        return facets(self.surface.triangles, edges)
+
     def fill(
-        self, edges: list[Lengths], ranges: Sequence[tuple[int, int]]
+        self, edges: list[Lengths], ranges: Sequence[tuple[int, int]], products: bool = False
     ) -> tuple[Mask, NDArray[np.int64], Lengths, Points]:
         """See `Region.fill`."""
         try:
-            return self.surface.fill(edges, list(ranges))
+            return self.surface.fill(edges, list(ranges), products)
         except CaseError as error:
             raise CaseError(f"{self.WHAT} {self.file} {error}") from None
 

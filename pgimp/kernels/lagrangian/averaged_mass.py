@@ -21,7 +21,7 @@ along each direction. Others are kept, see `pgimp.solver.lagrangian.mass_rows`.
 from typing import NamedTuple
 
 from pgimp.jit.kernel import inlined, inner_kernel, kernel
-from pgimp.jit.vectors.simd import load, pack, stack, store, vector
+from pgimp.jit.vectors.simd import bits, lane, load, pack, stack, store, vector
 from pgimp.kernels.data.motion import keeps, velocity_before
 from pgimp.kernels.data.particles import FloatArray, IntArray
 from pgimp.kernels.data.record import FORCE, MASS, RECORD
@@ -32,7 +32,9 @@ from pgimp.kernels.grid.constraints import constrained_rate, is_marked
 from pgimp.kernels.grid.faces import box_of, face_count
 from pgimp.kernels.lagrangian.sums import vertex_count
 from pgimp.kernels.transfer.lane_io import LANES, four_rows
+from pgimp.kernels.transfer.parts import corner_weights
 from pgimp.kernels.transfer.supports import SUPPORT_SIZE, entry, first_offset, supports
+from pgimp.physics.shapes.base import by_parts
 
 #: Numbers of a vertex in the array of accelerations: one that is 0, and three components.
 NUMBERS = 4
@@ -66,8 +68,17 @@ class MassRows(NamedTuple):
     reach: int  #: Planes to the farthest that rows need.
 
 
+class Accelerations(NamedTuple):
+    """Accelerations of vertices, and room for what lies between them and forces."""
+
+    values: FloatArray  #: (planes * plane / 2,) float64: See `NUMBERS`.
+    first: int  #: Number among these planes of the rank's first one; less than 0 if it is before.
+    scratch: FloatArray  #: (faces, 3) float64: For impulses of faces, which are not booked.
+    buffer: FloatArray  #: (plane / 2,) float64.
+
+
 @kernel
-def average_forces(frame, field, faces, forcing, scratch, A, reach, rows, found, planes, buffer):
+def average_forces(frame, field, faces, forcing, accelerations, rows, found, planes):
     """Take alpha (C - L) a from the forces at a rank's vertices.
 
     First come accelerations with the lumped mass, after all conditions, of the planes `found`; each
@@ -77,39 +88,31 @@ def average_forces(frame, field, faces, forcing, scratch, A, reach, rows, found,
     ----------
     frame, field, faces, forcing
         As in `update_momentum`, before it.
-    scratch : (faces, 3) float64
-        For impulses of faces, which are not booked.
-    A : ((planes + 2 reach) * plane / 2,) float64
-        Accelerations, of which the rank's first plane is number `reach`; see `NUMBERS`.
-    reach : int
-        Planes below and above those of the rank.
-    rows
-        MassRows; none of them is needed without `planes`.
+    accelerations, rows
+        Accelerations, MassRows.
     found, planes : (int, int)
         Planes whose accelerations are set, and whose forces are averaged: from the first one up to
         the second.
-    buffer : (plane / 2,) float64
-        For values in between.
     """
     ahead = found[0]
     for i in range(planes[0], planes[1]):
         until = min(i + rows.reach + 1, found[1])
         while ahead < until:
-            _find_plane(frame, field, faces, forcing, scratch, A, reach, ahead)
+            _find_plane(frame, field, faces, forcing, accelerations, ahead)
             ahead += 1
-        _average_plane(field, A, reach, rows, i, buffer)
+        _average_plane(field, accelerations, rows, i)
     while ahead < found[1]:
-        _find_plane(frame, field, faces, forcing, scratch, A, reach, ahead)
+        _find_plane(frame, field, faces, forcing, accelerations, ahead)
         ahead += 1
 
 
 @inner_kernel
-def _find_plane(frame, field, faces, forcing, scratch, A, reach, i):
+def _find_plane(frame, field, faces, forcing, accelerations, i):
     """Find the accelerations of the vertices of plane `i`, see `average_forces`."""
     G, window, plane = field.G, field.window, field.window.stride[0]
     half, size, row = plane // 2, field_size(window), window.stride[1]
+    A, own = accelerations.values, (i + accelerations.first) * half
     g = pack(0.0, forcing.gravity[0], forcing.gravity[1], forcing.gravity[2])
-    own = (i + reach) * half
     if field.active[i] == 0:
         A[own : own + half] = 0.0
         return
@@ -119,14 +122,25 @@ def _find_plane(frame, field, faces, forcing, scratch, A, reach, i):
         first, left = f * size, used_rows(field, i, f)
         while left:
             begin, end, left = next_rows(field, left)
-            for at in range(first + begin * row, first + end * row, RECORD):
-                r = i * plane + at
+            r, behind = i * plane + first + begin * row, i * plane + first + end * row
+            while r < behind:
+                at = own + (r - i * plane) // 2
+                if r + 3 * RECORD < behind:  # a processor divides four at once
+                    m = _four_masses(G, r)
+                    if bits(m > forcing.mass_cutoff) == 15:
+                        inverse = 1.0 / m
+                        store(A, at, _scaled(lane(inverse, 0), G, r, g))
+                        store(A, at + NUMBERS, _scaled(lane(inverse, 1), G, r + RECORD, g))
+                        store(A, at + 2 * NUMBERS, _scaled(lane(inverse, 2), G, r + 2 * RECORD, g))
+                        store(A, at + 3 * NUMBERS, _scaled(lane(inverse, 3), G, r + 3 * RECORD, g))
+                        r += 4 * RECORD
+                        continue
                 m, a = G[r + MASS], vector(0.0)
                 if m > forcing.mass_cutoff:
-                    inverse = 1.0 / m
-                    a = pack(0.0, inverse, inverse, inverse) * load(G, r + _SECOND) + g
-                store(A, own + at // 2, a)
-        holding = Holding(faces, frame, forcing, scratch, 0.0)
+                    a = _scaled(1.0 / m, G, r, g)
+                store(A, at, a)
+                r += RECORD
+        holding = Holding(faces, frame, forcing, accelerations.scratch, 0.0)
         for n in range(face_count(faces)):
             j0, j1, k0, k1 = box_of(faces, n, frame, window, i)
             for j in range(j0, j1):
@@ -138,6 +152,18 @@ def _find_plane(frame, field, faces, forcing, scratch, A, reach, i):
                     r = i * plane + first + j * row + k * RECORD
                     if is_marked(forcing.marked, r):
                         _hold(field, holding, f, (i, j, k), own, A)
+
+
+@inlined
+def _scaled(inverse, G, r, g):
+    """The force of the record at `r` over a mass, plus g, behind a zero."""
+    return pack(0.0, inverse, inverse, inverse) * load(G, r + _SECOND) + g
+
+
+@inlined
+def _four_masses(G, r):
+    """Masses of the record at `r` and of the next three."""
+    return pack(*tuple(lane(load(G, r + j * RECORD), MASS) for j in range(4)))
 
 
 @inner_kernel
@@ -167,14 +193,14 @@ def _hold(field, holding, f, vertex, own, A):
 
 
 @inner_kernel
-def _average_plane(field, A, reach, rows, i, buffer):
+def _average_plane(field, accelerations, rows, i):
     """See `average_forces`, for plane `i`."""
-    G, plane = field.G, field.window.stride[0]
+    G, plane, A = field.G, field.window.stride[0], accelerations.values
     if field.active[i] == 0:
         return
-    own, to = (i + reach) * (plane // 2), i * plane + _SECOND
+    own, to = (i + accelerations.first) * (plane // 2), i * plane + _SECOND
     if rows.run_start[i] < rows.run_start[i + 1]:
-        _average_runs(field, A, rows, i, own, buffer)
+        _average_runs(field, A, rows, i, own, accelerations.buffer)
     for n in range(rows.start[i], rows.start[i + 1]):
         at = own + rows.vertex[n] // 2
         a, even, odd = load(A, at), vector(0.0), vector(0.0)
@@ -206,15 +232,16 @@ def _average_runs(field, A, rows, i, own, buffer):
 
 @inner_kernel
 def _average_lines(field, A, rows, i, own, buffer):
-    """See `_average_runs`, in 2D."""
+    """See `_average_runs`, in 2D. The buffer has averages across planes."""
     G, plane = field.G, field.window.stride[0]
-    half, to = plane // 2, i * plane + _SECOND
+    half, to, low = plane // 2, i * plane + _SECOND, rows.span[i, 0]
+    for k in range(low, rows.span[i, 1], NUMBERS):
+        store(buffer, k - low, _across(A, own + k, half, rows.scale[0]))
     for n in range(rows.run_start[i], rows.run_start[i + 1]):
         begin, end, mass = rows.run[n, 0], rows.run[n, 1], rows.mass[n]
-        before = _across(A, own + begin - NUMBERS, half, rows.scale[0])
-        now = _across(A, own + begin, half, rows.scale[0])
+        before, now = load(buffer, begin - low - NUMBERS), load(buffer, begin - low)
         for at in range(begin, end, NUMBERS):
-            after = _across(A, own + at + NUMBERS, half, rows.scale[0])
+            after = load(buffer, at - low + NUMBERS)
             change = _average(rows.scale[1], before, now, after) - load(A, own + at)
             r = to + 2 * at
             store(G, r, load(G, r) - mass * change)
@@ -273,8 +300,9 @@ def find_weights(setting, window, particles, order, first, weights):
         See `KernelScene`, `Window`, `Particles`, `Order`.
     first : (n,) int64
         Set to the offset of the first vertex's record in its plane.
-    weights : (n, D, 4) float64
-        Set to the weights along each direction; zeros stay where a support has fewer vertices.
+    weights : (n, D, 4) float64, or (n, 2^D) float64
+        Set to the weights along each direction; zeros stay where a support has fewer vertices. Of
+        parts of cells those of the cell's corners, the last direction innermost.
     """
     shape, frame, start = setting.shape, setting.frame, order.start
     D, buffer = len(setting.frame.origin), stack(SUPPORT_SIZE)
@@ -285,6 +313,11 @@ def find_weights(setting, window, particles, order, first, weights):
             supports(shape, frame, window, particles, four, layer + window.lower[0], buffer, ())
             for j in range(min(LANES, start[layer + 1] - k)):
                 first[k + j] = first_offset(buffer, j)
+                if by_parts(shape):
+                    for n in range(2**D):
+                        corner = tuple(n >> (D - 1 - d) & 1 for d in range(D))
+                        weights[k + j, n] = corner_weights(buffer, j, corner)[0]
+                    continue
                 for d in range(D):
                     for i in range(vertices):
                         weights[k + j, d, i] = entry(buffer, d, 0, i, j)

@@ -8,13 +8,15 @@ from pgimp.kernels.data.record import FORCE, MASS, RECORD
 
 
 @kernel
-def take_vectors(values, first, rows, found):
+def take_vectors(values, size, first, rows, found):
     """Set vectors to those of some records; zero where the rank has none.
 
     Parameters
     ----------
-    values : (records * RECORD,) float64
+    values : (records * size,) float64
         Records of vertices.
+    size : int
+        Numbers of a record.
     first : int
         Entry of a record with the first component.
     rows : (n,) int64
@@ -23,7 +25,7 @@ def take_vectors(values, first, rows, found):
     """
     for n in range(len(rows)):
         for d in range(3):
-            found[n, d] = values[rows[n] * RECORD + first + d] if rows[n] >= 0 else 0.0
+            found[n, d] = values[rows[n] * size + first + d] if rows[n] >= 0 else 0.0
 
 
 @kernel
@@ -75,12 +77,44 @@ def fold_vectors(values, first, vectors, of, weights, masters):
 
 
 @kernel
-def spread_vectors(values, first, known, of, weights, slaves):
+def fold_averages(values, first, forces, lumped, known, of, weights, masters):
+    """Add what the averaged mass takes from slaves to their masters', in the order of the slaves.
+
+    Of slaves and masters it is alpha T^T (C - L) T a. Masters have the mass of slaves, so that
+    their rows miss alpha sum_s T_si L_s (a_s - a_i).
+
+    Parameters
+    ----------
+    values, first, of, weights, masters
+        As in `fold_vectors`.
+    forces : (n, 3) float64
+        The forces - alpha (C - L) a at slaves.
+    lumped : (n,) float64
+        alpha L of the slaves.
+    known : (m, 3) float64
+        The masters' accelerations.
+    """
+    for s in range(len(of)):
+        for d in range(3):
+            mean = 0.0
+            for e in range(of.shape[1]):
+                mean += weights[s, e] * known[of[s, e], d]
+            for e in range(of.shape[1]):
+                row = masters[of[s, e]]
+                if row >= 0:
+                    missing = lumped[s] * (mean - known[of[s, e], d])
+                    values[row * RECORD + first + d] += weights[s, e] * (forces[s, d] - missing)
+
+
+@kernel
+def spread_vectors(values, size, first, known, of, weights, slaves):
     """Set vectors at slaves to what their masters' give.
 
     Parameters
     ----------
-    values, first, of, weights
+    values, size, first
+        As in `take_vectors`.
+    of, weights
         As in `fold_vectors`.
     known : (m, 3) float64
         The masters' vectors.
@@ -94,4 +128,4 @@ def spread_vectors(values, first, known, of, weights, slaves):
             total = 0.0
             for e in range(of.shape[1]):
                 total += weights[s, e] * known[of[s, e], d]
-            values[slaves[s] * RECORD + first + d] = total
+            values[slaves[s] * size + first + d] = total

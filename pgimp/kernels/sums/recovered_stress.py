@@ -1,7 +1,7 @@
 """Stress of linear functions that fit the particles near a point, best by least squares.
 
 A particle counts by its initial volume times a tent about the point, a cell wide on either side. So
-a linear stress is found as it is, at surfaces too: the error is of second order there.
+a linear stress is found as it is, at surfaces too.
 """
 
 from math import nan

@@ -11,6 +11,13 @@ Reals = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 
+#: Number of the products of the components, by dimensions.
+PRODUCTS = (0, 1, 4)
+
+#: Axes of the first of them.
+_PAIRS: tuple[tuple[tuple[int, int], ...], ...] = ((), ((0, 1),), ((1, 2), (0, 2), (0, 1)))
+
+
 class Elements(NamedTuple):
     """Elements of a surface."""
 
@@ -21,6 +28,29 @@ class Elements(NamedTuple):
     #: normal.
     moment: Reals
     half: Reals  #: (n, D) float64: Half-sides of the boxes round their centres that they lie in.
+    #: (n, 0, 1 or 4, D) float64: Likewise of products of its components: xy in 2D, yz, xz, xy, xyz
+    #: in 3D; zeros but for bodies that are exact to their surface.
+    second: Reals
+
+    @classmethod
+    def flat(cls, box: Indices, centre: Reals, area: Reals, half: Reals) -> Elements:
+        """Elements across the axes, about their centroids."""
+        n, D = centre.shape
+        second = np.zeros((n, PRODUCTS[D - 1], D))
+        return cls(box, centre, area, np.zeros((n, D, D)), half, second)
+
+    def about(self, points: Reals) -> Reals:
+        """Integrals as `second`, of positions from points, (n, 0, 1 or 4, D)."""
+        D, found = self.centre.shape[1], self.second.copy()
+        s = (self.centre - points)[:, :, None]
+        A, M, T = self.area, self.moment, self.second
+        for k, (i, j) in enumerate(_PAIRS[D - 1]):
+            found[:, k] += s[:, i] * M[:, j] + s[:, j] * M[:, i] + s[:, i] * s[:, j] * A
+        if D == 3:
+            x, y, z = s[:, 0], s[:, 1], s[:, 2]
+            found[:, 3] += x * T[:, 0] + y * T[:, 1] + z * T[:, 2] + x * y * z * A
+            found[:, 3] += x * y * M[:, 2] + x * z * M[:, 1] + y * z * M[:, 0]
+        return found
 
     @property
     def centroid(self) -> Reals:

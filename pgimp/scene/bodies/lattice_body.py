@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from pgimp.geometry.measure import measure
 from pgimp.geometry.regions.base import Region
 from pgimp.physics.shapes.parts import PartParameters
+from pgimp.scene.bodies.elements import PRODUCTS
 from pgimp.scene.bodies.merge import merge_small
 from pgimp.scene.bodies.volume_fractions import Indices, Ranges, Reals, VolumeFractions
 
@@ -168,13 +169,14 @@ class LatticeBody:
 
     def _fill(self, ranges: Ranges) -> VolumeFractions | None:
         """Volume fractions from a region that measures all boxes itself, else None."""
+        if self._products > PRODUCTS[len(self.edges) - 1]:  # those of rings
+            return None
         if (key := tuple(ranges)) not in self._filled:
-            found = self.region.fill(self.edges, ranges)
+            found = self.region.fill(self.edges, ranges, self.exact)
             if found is None:
                 return None
             whole, indices, fractions, moments = found
-            more = np.zeros((len(moments), self._width - moments.shape[1]))
-            fractions, moments = self._rounded(fractions, np.concatenate([moments, more], axis=1))
+            fractions, moments = self._rounded(fractions, moments)
             whole[indices] = fractions == 1.0
             keep = (fractions > 0.0) & (fractions != 1.0)
             # Inside boxes are many: kept as bits.

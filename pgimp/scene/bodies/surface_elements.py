@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from pgimp.geometry.measure import MONOMIALS, measure, pieces
 from pgimp.geometry.regions.base import Region
-from pgimp.physics.shapes.parts import PartParameters
-from pgimp.scene.bodies.elements import Elements, Indices, Reals
+from pgimp.scene.bodies.elements import PRODUCTS, Elements, Indices, Reals
 from pgimp.scene.bodies.lattice_body import LatticeBody
 
 #: Faces of the lattice, by axis and side.
@@ -30,6 +29,9 @@ _THIN, _LEAST = 1e-4, 1e-9
 
 #: Part of a piece's volume that is rounding.
 _ROUNDING = 1e-9
+
+#: Part of the squared area below which an area vector is that of no direction.
+_NONE = 1e-20
 
 #: Boxes from an element to the particle that carries it, at most.
 AWAY = 2
@@ -76,11 +78,13 @@ def find_elements(
         if (d, 1) in closed:
             ranges[d] = ranges[d][ranges[d] < len(e) - 1]
     cuts = (body.region, *([within] if within else ())) if body.exact else ()
-    found = (
-        _cut_elements(body, ranges, closed, cuts)
-        if body.cut
-        else _whole_elements(body, ranges, closed)
-    )
+    facets = _facet_elements(body, ranges, closed, within) if body.exact else None
+    if facets is not None:
+        found = facets
+    elif body.cut:
+        found = _cut_elements(body, ranges, closed, cuts)
+    else:
+        found = _whole_elements(body, ranges, closed)
     if within is None or not len(found.box):
         return found
     return found.chosen(within.contains(found.centroid))
@@ -135,9 +139,10 @@ def _cut_elements(
     for region in cuts:
         row, low, high = pieces(region, low, high)
         box, thin = box[row], thin[row]
-    n, size = len(box), high - low
+    n, size, count = len(box), high - low, PRODUCTS[D - 1] if body.exact else 0
     area, moment = np.zeros((n, D)), np.zeros((n, D, D))
-    volume = measure(body.region, low, high)[0]
+    second = np.zeros((n, PRODUCTS[D - 1], D))
+    volume, inner = measure(body.region, low, high, count)
     full = size.prod(axis=1)
     whole = volume > (1.0 - _ROUNDING) * full
     # Pieces without a surface inside, but for their faces, have an element for each of these.
@@ -154,36 +159,87 @@ def _cut_elements(
                     a[:, d] = np.maximum(a[:, d], end)
                 else:
                     b[:, d] = np.minimum(b[:, d], end)
-            inside, first = measure(body.region, a, b)
+            inside, first = measure(body.region, a, b, count)
             thickness = b[:, d] - a[:, d]
+            half_size = 0.5 * side * size[:, d]
             face = inside / thickness
             area[:, d] -= side * face
             arms = np.zeros((n, D))
             for j in range(D):
-                arms[:, j] = side * 0.5 * size[:, d] * face if j == d else first[:, j] / thickness
+                arms[:, j] = half_size * face if j == d else first[:, j] / thickness
                 moment[:, j, d] -= side * arms[:, j]
+            more = np.zeros((n, PRODUCTS[D - 1]))
+            for k, axes in enumerate(MONOMIALS[D - 1][1 + D : 1 + D + count]):
+                if d not in axes:
+                    more[:, k] = first[:, D + k] / thickness
+                else:
+                    rest = _column(axes, d)
+                    more[:, k] = half_size * first[:, rest] / thickness
+                    second[:, k, d] += 0.5 * inner[:, rest]  # once for each side
+                second[:, k, d] -= side * more[:, k]
             if plain.any():
                 missing = np.where(whole, full / size[:, d], 0.0) - face
                 arms[:, d] -= side * 0.5 * np.where(whole, full, 0.0)
-                sides.append(_side(d, side, missing, -side * arms))
+                sides.append(_side(d, side, missing, -side * arms, -side * more))
     there = np.zeros(n, bool)
     for d in range(D):
         there |= np.abs(area[:, d]) > _LEAST * (full / size[:, d])
-    found = Elements(box, 0.5 * (low + high), area, moment, 0.5 * size)
+    found = Elements(box, 0.5 * (low + high), area, moment, 0.5 * size, second)
     if not plain.any():
         return found.chosen(there)
     every = [found.chosen(there & ~plain)]
-    for of_side, moments, d in sides:
+    for of_side, moments, seconds, d in sides:
         some = plain & (np.abs(of_side[:, d]) > _LEAST * (full / size[:, d]))
-        every.append(found._replace(area=of_side, moment=moments).chosen(some))
+        own = found._replace(area=of_side, moment=moments, second=seconds)
+        every.append(own.chosen(some))
     return Elements(*map(np.concatenate, zip(*every, strict=True)))
 
 
-def _side(d: int, side: float, missing: Reals, arms: Reals) -> tuple[Reals, Reals, int]:
+def _facet_elements(
+    body: LatticeBody, ranges: Sequence[Indices], closed: Closed, within: Region | None
+) -> Elements | None:
+    """Elements of a surface of triangles, cut along planes of the region; None for others."""
+    edges, lattice, D = [], [], len(ranges)
+    planes = within.planes() if within else []
+    for d, r in enumerate(ranges):
+        lattice.append(_edge(body.edges[d], np.append(r, r[-1] + 1 if len(r) else 0)))
+        cuts = [plane.at for plane in planes if plane.axis == d]
+        own = [at for at in cuts if lattice[d][0] < at < lattice[d][-1]] if len(r) else []
+        edges.append(np.unique(np.append(lattice[d], own)))
+    pieces = body.region.facets(edges)
+    if pieces is None:
+        return None
+    number, centre, area, second = pieces
+    box, kept = np.empty_like(number), np.ones(len(number), bool)
+    for d, r in enumerate(ranges):
+        box[:, d] = np.searchsorted(lattice[d], edges[d][number[:, d]], "right") - 1 + r[:1].sum()
+        for side in (-1, 1):
+            if (d, side) in closed:
+                end = body.edges[d][0 if side < 0 else -1]
+                kept &= np.abs(centre[:, d] - end) > _ROUNDING * body.size[d]
+    size = np.sqrt((area * area).sum(axis=1))
+    normal = area / np.where(size > 0.0, size, 1.0)[:, None]
+    found = Elements(
+        box, centre, area, np.zeros((len(box), D, D)), np.full((len(box), D), 0.5) * body.size,
+        (second * size[:, None])[:, :, None] * normal[:, None],
+    )  # fmt: skip
+    return found.chosen(np.flatnonzero(kept)[np.lexsort(box[kept].T[::-1])])
+
+
+def _column(axes: tuple[int, ...], d: int) -> int:
+    """Column of moments with the product of the axes without `d`."""
+    rest = tuple(axis for axis in axes if axis != d)
+    return rest[0] if len(rest) == 1 else 3 + MONOMIALS[2][4:].index(rest)
+
+
+def _side(
+    d: int, side: float, missing: Reals, arms: Reals, more: Reals
+) -> tuple[Reals, Reals, Reals, int]:
     """Area vectors and moments of the elements on a side of boxes, and the side's axis."""
-    area, moment = np.zeros(arms.shape), np.zeros((*arms.shape, arms.shape[1]))
-    area[:, d], moment[:, :, d] = side * missing, arms
-    return area, moment, d
+    n, D = arms.shape
+    area, moment, second = np.zeros((n, D)), np.zeros((n, D, D)), np.zeros((*more.shape, D))
+    area[:, d], moment[:, :, d], second[:, :, d] = side * missing, arms, more
+    return area, moment, second, d
 
 
 def _whole_elements(body: LatticeBody, ranges: Sequence[Indices], closed: Closed) -> Elements:
@@ -219,7 +275,7 @@ def _whole_elements(body: LatticeBody, ranges: Sequence[Indices], closed: Closed
         centre = 0.5 * (low + high)
         centre[:, d] = (low, high)[side > 0][:, d]
         half = 0.5 * np.where(np.arange(D) == d, 0.0, size)
-        parts.append(Elements(box, centre, area, np.zeros((len(box), D, D)), half))
+        parts.append(Elements.flat(box, centre, area, half))
     found = Elements(*map(np.concatenate, zip(*parts, strict=True)))
     return found.chosen(np.lexsort(found.box.T[::-1]))
 
@@ -289,7 +345,7 @@ def parts_of(body: LatticeBody, elements: Elements, x: Reals, ring: bool) -> tup
     n, D = x.shape
     found = np.zeros((n, 1 + D + D * D))
     if not n or not len(elements.box):
-        return found, np.zeros((n, (1 + D) * PartParameters.products(D)))
+        return found, np.zeros((n, (1 + D) * PRODUCTS[D - 1]))
     goes = carriers(body, elements)
     whole = _together(body, elements) if ring else elements.area
     shape = tuple(len(e) + 2 for e in body.edges)
@@ -327,30 +383,34 @@ def _products(
     For `rings` with the area vectors from `_together`.
     """
     n, D = x.shape
-    count = PartParameters.products(D)
-    found = np.zeros((n, (1 + D) * count))
-    loaded = np.flatnonzero(parts[:, 0])
-    vector = parts[:, 1 : 1 + D]
+    count = PRODUCTS[D - 1]
+    found = np.zeros((n, 1 + D, count))
+    vector, loaded = parts[:, 1 : 1 + D], np.flatnonzero(parts[:, 0])
     moment = parts[:, 1 + D :].reshape(n, D, D)
-    square = np.maximum((vector * vector).sum(axis=1), 1e-300)
-    centroid = x + (moment * vector[:, None]).sum(axis=2) / square[:, None]
-    arm, area = elements.centroid - centroid[row], elements.area
+    square = (vector * vector).sum(axis=1)
+    some = square > _NONE * parts[:, 0] ** 2
+    arm = np.zeros((n, D))
+    arm[some] = (moment * vector[:, None]).sum(axis=2)[some] / square[some, None]
+    area, centroid = elements.area, (x + arm)[row]
     size = np.sqrt((area * area).sum(axis=1))
-    for column, axes in enumerate(MONOMIALS[D - 1][1 + D : 2**D]):
-        product = arm[:, axes].prod(axis=1)
-        if rings is not None:  # straight strips, which weigh with their radius
-            r, (a, b), (p, q) = np.maximum(elements.centroid[:, 0], 0.0), arm.T, rings.T
-            product = 2.0 * np.pi * (r * product + (q * q * b - p * q * (r + a)) / 12.0)
-        elif len(axes) == 2:  # an element is straight, or a flat one as wide as long
-            i, j = axes
-            product -= area[:, i] * area[:, j] / (12.0 * (1.0 if D == 2 else size))
-        np.add.at(found[:, column], row, size * product)
+    if rings is not None:  # straight strips, which weigh with their radius
+        r, (p, q) = np.maximum(elements.centroid[:, 0], 0.0), rings.T
+        a, b = (elements.centroid - centroid).T
+        product = 2.0 * np.pi * (r * a * b + (q * q * b - p * q * (r + a)) / 12.0)
+        second = (area * product[:, None])[:, None]
+    else:
+        second = elements.about(centroid)
+    along = (second * area[:, None]).sum(axis=2) / np.maximum(size, 1e-300)[:, None]
+    for k in range(count):
+        np.add.at(found[:, 0, k], row, along[:, k])
         for d in range(D):
-            np.add.at(found[:, (1 + d) * count + column], row, area[:, d] * product)
-    found[loaded, :count] /= parts[loaded, 0, None]
-    for d in range(D):
-        found[:, (1 + d) * count : (2 + d) * count] -= found[:, :count] * vector[:, d, None]
-    return found
+            np.add.at(found[:, 1 + d, k], row, second[:, k, d])
+    found[loaded, 0] /= parts[loaded, 0, None]
+    found[:, 1:] -= found[:, :1] * vector[:, :, None]
+    if D == 3:  # gradients of weights have the products, too
+        about = moment - arm[:, :, None] * vector[:, None]
+        found[:, 1:, 3] -= (found[:, 0, :3, None] * about).sum(axis=1)
+    return found.reshape(n, -1)
 
 
 def face_elements(body: LatticeBody, axis: int, side: int, planes: tuple[int, int]) -> Elements:
@@ -379,7 +439,7 @@ def face_elements(body: LatticeBody, axis: int, side: int, planes: tuple[int, in
     a, b = (np.stack([ends[d][k][box[:, d]] for d in range(D)], axis=1) for k in (0, 1))
     area = np.zeros(box.shape)
     area[:, axis] = side * np.where(np.arange(D) == axis, 1.0, b - a).prod(axis=1)
-    return Elements(box, 0.5 * (a + b), area, np.zeros((len(box), D, D)), 0.5 * (b - a))
+    return Elements.flat(box, 0.5 * (a + b), area, 0.5 * (b - a))
 
 
 #: Places in a box along each direction that tell elements apart.

@@ -12,15 +12,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pgimp.scene.bodies.elements import Indices, Reals
+from pgimp.scene.bodies.elements import Elements, Indices, Reals
 from pgimp.scene.bodies.lattice_body import LatticeBody
 from pgimp.scene.bodies.surface_elements import Closed, find_elements
 
 #: Least area of a facet, and of a patch that does not join another, over that of a cell's side.
 LEAST_FACET, LEAST_PATCH = 1e-6, 0.5
 
-#: Least cosine between the normals of patches that join.
-_ALIKE = 0.5
+#: Least cosines between the normals of patches that join, and of facets and the greatest in a patch.
+_ALIKE, _FLAT = 0.7, 0.8
+
+#: Moments across the normal, over area times size, above which an element has several faces; and
+#: least area of one of these.
+_BENT = 0.02
 
 
 class Facets(NamedTuple):
@@ -62,7 +66,7 @@ def facets_of(body: LatticeBody, origin: Reals, cell: Reals, closed: Closed = ()
         See `find_elements`.
     """
     low, high = body.box[0]
-    found = find_elements(body, None, (low - 1, high + 1), closed)
+    found = _parted(find_elements(body, None, (low - 1, high + 1), closed), np.array(body.size))
     size = np.sqrt((found.area * found.area).sum(axis=1))
     side = float(np.prod(cell)) ** (1.0 - 1.0 / len(cell))
     some = size > LEAST_FACET * side
@@ -86,6 +90,53 @@ def facets_of(body: LatticeBody, origin: Reals, cell: Reals, closed: Closed = ()
     )
 
 
+def _parted(elements: Elements, size: Reals) -> Elements:
+    """Elements with those at edges parted into their faces, whose normals are those beside them.
+
+    With area vectors A_i n_i and first moments A_i c_i n_i^T of the faces, which add up to the
+    element's, A_i and A_i c_i are the products of both with the vectors dual to n_i.
+    """
+    area = np.sqrt((elements.area * elements.area).sum(axis=1))
+    normal = elements.area / np.maximum(area, 1e-300)[:, None]
+    # Moments of a flat element are along its normal.
+    along = np.einsum("njd,nd->nj", elements.moment, normal)
+    askew = elements.moment - along[:, :, None] * normal[:, None]
+    reach = 2.0 * elements.half.max(axis=1)
+    D = len(size)
+    length = np.minimum(reach, area ** (1.0 / (D - 1)) if D > 1 else reach)
+    bent = np.sqrt((askew * askew).sum(axis=(1, 2))) > _BENT * area * length
+    large = area > _BENT * reach ** (D - 1)
+    plain, middle = np.flatnonzero(~bent & large), elements.centroid
+    rows, areas, moments = [], [], []
+    keep = np.ones(len(area), bool)
+    for one in np.flatnonzero(bent & (area > 0.0)).tolist():
+        away = np.abs(elements.centre[plain] - elements.centre[one]).max(axis=1)
+        near = plain[away < 1.6 * reach[one]]
+        square = ((middle[near] - middle[one]) ** 2).sum(axis=1) / reach[one] ** 2
+        normals: list[Reals] = []
+        for other in near[np.argsort(np.round(square, 6), kind="stable")]:
+            if len(normals) < D and all(normal[other] @ n < _FLAT for n in normals):
+                normals.append(normal[other])
+        if len(normals) < 2:
+            continue
+        dual = np.linalg.pinv(np.array(normals))
+        each = elements.area[one] @ dual
+        whole = each > _BENT * area[one]
+        rest = elements.area[one] - each[whole] @ np.array(normals)[whole]
+        if (each < -_BENT * area[one]).any() or np.sqrt(rest @ rest) > _BENT * area[one]:
+            continue
+        keep[one] = False
+        for i in np.flatnonzero(whole):
+            rows.append(one)
+            areas.append(each[i] * normals[i])
+            moments.append(np.outer(elements.moment[one] @ dual[:, i], normals[i]))
+    if not rows:
+        return elements
+    parts = elements.chosen(np.array(rows))
+    parts = parts._replace(area=np.array(areas), moment=np.array(moments))
+    return Elements(*map(np.concatenate, zip(elements.chosen(keep), parts, strict=True)))
+
+
 def _three(values: Reals) -> Reals:
     """Vectors with three components."""
     return np.pad(values, ((0, 0), (0, 3 - values.shape[1])))
@@ -102,8 +153,7 @@ def _patches(
     sign = normal[np.arange(len(x)), axis] > 0.0
     keys = np.column_stack([inside, 2 * axis + sign])
     places, patch = np.unique(keys, axis=0, return_inverse=True)
-    patch = patch.reshape(-1)
-    places = places[:, :-1]
+    places, patch = _flat(places[:, :-1], patch.reshape(-1), normal, area)
     total = np.asarray(np.bincount(patch, area), float)
     centre, mean = (
         np.stack([np.bincount(patch, area * v[:, d]) for d in range(x.shape[1])], axis=1)
@@ -111,6 +161,27 @@ def _patches(
     )
     into = _joins(places, total, centre / total[:, None], mean, side)
     return np.unique(into[patch], return_inverse=True)[1].reshape(-1)
+
+
+def _flat(places: Indices, patch: Indices, normal: Reals, area: Reals) -> tuple[Indices, Indices]:
+    """Split patches whose facets are not alike, as beside edges; all patches' places, and numbers.
+
+    Each part has the facets that are alike to the greatest of the rest.
+    """
+    mean = np.stack([np.bincount(patch, area * n) for n in normal.T], axis=1)
+    mean /= np.maximum(np.sqrt((mean * mean).sum(axis=1)), 1e-300)[:, None]
+    bent = np.unique(patch[(mean[patch] * normal).sum(axis=1) < _FLAT])
+    more, patch = [places], patch.copy()
+    for one in bent.tolist():
+        rest = np.flatnonzero(patch == one)
+        rest = rest[np.argsort(-np.round(area[rest] / area[rest].max(), 6), kind="stable")]
+        while len(rest):
+            alike = normal[rest] @ normal[rest[0]] >= _FLAT
+            if not alike.all():
+                patch[rest[alike]] = sum(map(len, more))
+                more.append(places[one : one + 1])
+            rest = rest[~alike]
+    return np.concatenate(more), patch
 
 
 def _joins(places: Indices, total: Reals, centre: Reals, mean: Reals, side: float) -> Indices:

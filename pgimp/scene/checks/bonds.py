@@ -123,7 +123,7 @@ def _marks(
     cell, origin, half = (
         scene.domain.frame.cell,
         scene.domain.frame.origin,
-        np.array(scene.settings.shape.half),
+        np.array(scene.settings.uncut.half),
     )
     n = lattice.per_cell[0]
     planes = max(0, int(first[0]) * n), min(lattice.planes, int(first[0] + shape[0]) * n)

@@ -141,7 +141,11 @@ def particles_inside(rank: RankState, rows: np.ndarray, time: float, depth: floa
     if len(counts) and scene.interaction.pairs:
         at = placed(bodies, time, rank.free.states if rank.free else None)
         deep = depth * min(scene.domain.frame.cell)
-        count_inside(at, scene.interaction.pairs, rank.up_to_date(), rows, deep, counts)
+        particles, exact = rank.up_to_date(), scene.settings.exact_surfaces
+        if exact.any():  # such are at their centroids
+            offset = np.where(exact[particles.body][:, None], 0.0, particles.offset)
+            particles = particles._replace(offset=offset)
+        count_inside(at, scene.interaction.pairs, particles, rows, deep, counts)
     return counts
 
 

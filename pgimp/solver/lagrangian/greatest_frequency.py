@@ -7,6 +7,7 @@ from itertools import product
 import numpy as np
 
 from pgimp.solver.lagrangian.masters import Vertices
+from pgimp.solver.lagrangian.pieces import runs
 from pgimp.solver.rank_state import RankState
 
 #: Iterations for the greatest frequency.
@@ -39,7 +40,7 @@ def stable_courant(
     if not len(few):
         return np.inf
     of, weights = folding
-    at, gradients, m = _near_particles(rank, few, known, np.unique(of))
+    at, stiffness = _near_cells(rank, few, known, np.unique(of))
     slaves = np.searchsorted(known, few[: len(of)])
     inverse = np.where(mass > 0.0, 1.0 / np.where(mass > 0.0, mass, 1.0), 0.0)
     inverse[slaves] = 0.0
@@ -47,53 +48,62 @@ def stable_courant(
     for _ in range(_ITERATIONS):
         u /= np.sqrt((mass * u * u).sum())
         u[slaves] = (weights * u[of]).sum(axis=1)
-        strain = np.einsum("pcd,pc->pd", gradients, np.append(u, 0.0)[at])
-        force = np.einsum("pcd,pd->pc", gradients, m[:, None] * strain)
+        force = np.einsum("cij,cj->ci", stiffness, np.append(u, 0.0)[at])
         f = np.bincount(at.reshape(-1), force.reshape(-1), len(known) + 1)[:-1]
-        np.add.at(f, of.reshape(-1), (weights * f[slaves, None]).reshape(-1))
+        f += np.bincount(of.reshape(-1), (weights * f[slaves, None]).reshape(-1), len(known))
         u = inverse * f
         square = np.sqrt((mass * u * u).sum())
     return float(2.0 / (np.sqrt(square) * min(rank.grid.frame.cell)))
 
 
-def _near_particles(
+def _near_cells(
     rank: RankState, few: np.ndarray, known: np.ndarray, masters: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Particles of all ranks in the cells round some vertices; collective.
+) -> tuple[np.ndarray, np.ndarray]:
+    """Cells of all ranks round some vertices; collective.
 
     Returns
     -------
-    (p, 2^D) int64
-        Numbers of their cells' corners among `known`; k for others.
-    (p, 2^D, D or 3) float64
-        Gradients of their weights there; of rings also the weights of their hoops.
-    (p,) float64
-        Their masses.
+    (c, 2^D) int64
+        Numbers of their corners among `known`; k for others.
+    (c, 2^D, 2^D) float64
+        Sums over their particles of the masses times products of the weights' gradients; of rings
+        also of the weights of their hoops.
     """
-    frame, p, rows = rank.grid.frame, rank.up_to_date(), rank.population.order
-    h, corners = np.array(frame.cell), [*product((0, 1), repeat=len(frame.cell))]
-    x = (p.origin[rows] - np.array(frame.origin)) / h + frame.ghost
-    first = np.floor(x).astype(np.int64)
-    cells = Vertices.cells_of(rank, np.concatenate([few, known[masters]]))
-    near = np.isin(Vertices.key(rank, first, p.body[rows]), cells)
-    x, first, rows = x[near] - first[near], first[near], rows[near]
-    axial = rank.scene.case.axisymmetric
-    gradients = np.zeros((len(rows), len(corners), len(h) + axial))
-    out = p.products[rows, 1:] / h if axial else 0.0  # from the section's centroid to the mass's
-    at = np.zeros((len(rows), len(corners)), np.int64)
-    for c, corner in enumerate(corners):
-        keys = Vertices.key(rank, first + np.array(corner), p.body[rows])
-        at[:, c] = np.minimum(np.searchsorted(known, keys), len(known) - 1)
-        at[known[at[:, c]] != keys, c] = len(known)
-        n = np.where(np.array(corner) == 1, x, 1.0 - x)
-        if axial:
-            off_axis = first[:, 0] + corner[0] > frame.ghost  # on it no ring is stretched
-            off_axis |= frame.origin[0] > 0.0
-            gradients[:, c, 2] = off_axis * n.prod(axis=1) / p.origin[rows, 0]
-            n = np.where(np.array(corner) == 1, x + out, 1.0 - x - out)
-        for d in range(len(h)):
-            sign = (2 * corner[d] - 1) / h[d]
-            gradients[:, c, d] = sign * np.delete(n, d, axis=1).prod(axis=1)
-    parts = rank.comm.allgather((at, gradients, p.m[rows]))
-    at, gradients, m = (np.concatenate(each) for each in zip(*parts, strict=True))
-    return at, gradients, m
+    frame, p, order = rank.grid.frame, rank.up_to_date(), rank.population.ordered
+    h, corners = np.array(frame.cell), np.array([*product((0, 1), repeat=len(frame.cell))])
+    near = Vertices.cells_of(rank, np.concatenate([few, known[masters]]))
+    axial, found = rank.scene.case.axisymmetric, []
+    for run in (*runs(order.start), slice(0)):  # at the end none, for a rank without particles
+        rows = order.rows[run]
+        x = (p.origin[rows] - np.array(frame.origin)) / h + frame.ghost
+        first = np.floor(x).astype(np.int64)
+        mine = np.isin(Vertices.key(rank, first, p.body[rows]), near)
+        x, first, rows = x[mine] - first[mine], first[mine], rows[mine]
+        gradients = np.empty((len(rows), len(corners), len(h) + axial))
+        # From the section's centroid to the mass's.
+        out = p.products[rows, 1:] / h if axial else 0.0
+        for c, corner in enumerate(corners):
+            n = np.where(corner == 1, x, 1.0 - x)
+            if axial:
+                off_axis = first[:, 0] + corner[0] > frame.ghost  # on it no ring is stretched
+                off_axis |= frame.origin[0] > 0.0
+                gradients[:, c, 2] = off_axis * n.prod(axis=1) / p.origin[rows, 0]
+                n = np.where(corner == 1, x + out, 1.0 - x - out)
+            for d in range(len(h)):
+                slope = (2 * corner[d] - 1) / h[d]
+                gradients[:, c, d] = slope * np.delete(n, d, axis=1).prod(axis=1)
+        # The particles of a cell follow each other.
+        keys, bodies = Vertices.key(rank, first, p.body[rows]), p.body[rows]
+        begin = np.flatnonzero(np.diff(keys, prepend=-1))
+        products = np.einsum("pid,pjd->pij", p.m[rows][:, None, None] * gradients, gradients)
+        stiffness = np.add.reduceat(products, begin) if len(begin) else products
+        at = np.zeros((len(begin), len(corners)), np.int64)
+        for c, corner in enumerate(corners):
+            keys = Vertices.key(rank, first[begin] + corner, bodies[begin])
+            at[:, c] = np.minimum(np.searchsorted(known, keys), len(known) - 1)
+            at[known[at[:, c]] != keys, c] = len(known)
+        found.append((at, stiffness))
+    at, stiffness = (np.concatenate(each) for each in zip(*found, strict=True))
+    parts = rank.comm.allgather((at, stiffness))
+    at, stiffness = (np.concatenate(each) for each in zip(*parts, strict=True))
+    return at, stiffness

@@ -40,7 +40,12 @@ def sum_layers(
         lambda particles, order: _complete_sums(rank, scene, particles, order, sums),
     )  # fmt: skip
     if rank.slaves:
-        rank.slaves.complete_sums(rank, bodies, sums)
+        rank.slaves.complete_sums(rank, bodies, _lumped(rank), sums)
+
+
+def _lumped(rank: RankState) -> np.ndarray | tuple[()]:
+    """Part of the lumped mass by body, (bodies,); () if it is all."""
+    return rank.averaged_mass.lumped if rank.averaged_mass else ()
 
 
 def energy_beyond_lumped(rank: RankState) -> np.ndarray:
@@ -52,6 +57,8 @@ def energy_beyond_lumped(rank: RankState) -> np.ndarray:
         rank, rank.population.ordered,
         lambda particles, order: _complete_sums(rank, scene, particles, order, sums, part),
     )  # fmt: skip
+    if rank.slaves:
+        rank.slaves.complete_sums(rank, None, part, sums)
     return np.asarray(sums[:, :, KINETIC].sum(axis=1))
 
 
@@ -68,5 +75,5 @@ def _complete_sums(
         edges = np.concatenate([[0], np.cumsum(mine)])[order.start]
         order, setting = Order(order.rows[mine], edges), scene.setting_lagrangian
     if part is None:
-        part = rank.averaged_mass.lumped if rank.averaged_mass else ()
+        part = _lumped(rank)
     motion_sums(setting.without_materials(), rank.grid.field, particles, order, part, sums)

@@ -19,7 +19,9 @@ class Weighed(NamedTuple):
     id: np.ndarray  #: (n,) int64: The number.
     mass: np.ndarray  #: (n,) float64: alpha times the mass.
     first: np.ndarray  #: (n,) int64: Number of the first vertex of the support in its plane.
-    weights: np.ndarray  #: (n, D, vertices) float64: Weights along each direction.
+    #: (n, D, vertices) float64: Weights along each direction; of parts of cells (n, 2^D) float64,
+    #: those of the cell's corners.
+    weights: np.ndarray
 
     def chosen(self, which: np.ndarray) -> Weighed:
         """Some of them."""
@@ -28,6 +30,29 @@ class Weighed(NamedTuple):
     def moved(self, layers: int) -> Weighed:
         """The same, in layers counted from another one."""
         return self._replace(layer=self.layer + layers)
+
+    @property
+    def support(self) -> tuple[int, int]:
+        """Directions, and vertices along each."""
+        size = self.weights.shape[1:]
+        return (int(size[0]).bit_length() - 1, 2) if len(size) == 1 else (size[0], size[1])
+
+    def touches(self, corner: tuple[int, ...]) -> np.ndarray:
+        """Whether each has a weight at a vertex of its support, (n,)."""
+        if self.weights.ndim == 2:
+            return np.asarray(self.weights[:, int("".join(map(str, corner)), 2)] > 0.0)
+        return np.asarray((self.weights[:, range(len(corner)), corner] > 0.0).all(axis=1))
+
+    def by_plane(self, vertices: int) -> np.ndarray:
+        """Weights of the first vertices along each direction, (n, vertices, vertices^(D - 1))."""
+        weights, n, across = self.weights, len(self.mass), 1
+        if weights.ndim == 2:
+            return weights.reshape(n, 2, weights.shape[1] // 2)
+        flat = np.ones((n, 1))
+        for d in range(1, weights.shape[1]):
+            across *= vertices
+            flat = (flat[:, :, None] * weights[:, d, None, :vertices]).reshape(n, across)
+        return weights[:, 0, :vertices, None] * flat[:, None, :]
 
 
 def vertex_offset(corner: tuple[int, ...], z: int) -> int:
@@ -41,10 +66,12 @@ def rows_of(particles: Weighed, uniform: np.ndarray, reach: int) -> tuple[np.nda
     planes, _, _, z = uniform.shape
     size = uniform[0].size if planes else 0
     # Most supports are corners of a cell only.
-    few = (particles.weights[:, :, 2:] == 0.0).all(axis=(1, 2))
+    few = np.ones(len(particles.mass), bool)
+    if particles.weights.ndim == 3:
+        few = (particles.weights[:, :, 2:] == 0.0).all(axis=(1, 2))
     groups = [(2, particles.chosen(few)), (reach + 1, particles.chosen(~few))]
     wide = 2 * reach + 1
-    rel = np.meshgrid(*[np.arange(wide) - reach] * particles.weights.shape[1], indexing="ij")
+    rel = np.meshgrid(*[np.arange(wide) - reach] * particles.support[0], indexing="ij")
     y, k = ([each.reshape(-1) for each in rel[1:]] + [np.zeros(1, np.int64)] * 2)[:2]
     distance = NUMBERS * (rel[0].reshape(-1) * size + y * z + k)
     start, vertex, count, column, value = [0], [], [], [], []
@@ -81,7 +108,7 @@ def _entries(
     A key is the vertex's number in the plane times the number of distances, and that of its own.
     `others` are the vertices that are not amid whole cells.
     """
-    D, wide = particles.weights.shape[1], 2 * reach + 1
+    D, wide = particles.support[0], 2 * reach + 1
     corners = list(product(range(vertices), repeat=D - 1))
     shift = np.array([vertex_offset(c, z) for c in corners])
     code = [[_code(a, b, reach) for b in corners] for a in corners]
@@ -89,16 +116,12 @@ def _entries(
     for a in reversed(range(vertices)):
         low, high = np.searchsorted(particles.layer, [plane - a, plane - a + 1])
         mine = particles.chosen(np.arange(low, high))
-        flat = np.ones((len(mine.mass), len(corners)))
-        for n, corner in enumerate(corners):
-            for d, i in enumerate(corner):
-                flat[:, n] *= mine.weights[:, 1 + d, i]
-        at = mine.first[:, None] + shift
-        own = mine.weights[:, 0, a, None] * flat
+        weights = mine.by_plane(vertices)
+        at, own = mine.first[:, None] + shift, weights[:, a]
         some = (own > 0.0) & others[np.where(own > 0.0, at, 0)]
         for b in range(vertices):
             # The product of weights comes first: rows are symmetric to the last bit.
-            pair = own[:, :, None] * (mine.weights[:, 0, b, None] * flat)[:, None, :]
+            pair = own[:, :, None] * weights[:, b, None, :]
             there = some[:, :, None] & (pair > 0.0)
             if a == b:
                 there &= ~np.eye(len(corners), dtype=bool)

@@ -119,12 +119,15 @@ def _weigh(rank: RankState, rows: np.ndarray, layer: np.ndarray, mass: np.ndarra
     scene, p = rank.scene, rank.population.columns
     setting = scene.setting_lagrangian if scene.settings.mixed else scene.setting
     start = np.searchsorted(layer, np.arange(rank.slab.layers + 1)).astype(np.int64)
-    first, weights = np.zeros(len(rows), np.int64), np.zeros((len(rows), scene.dimension, 4))
+    by_corners = scene.settings.exact_surfaces.any()
+    size = (2**scene.dimension,) if by_corners else (scene.dimension, 4)
+    first, weights = np.zeros(len(rows), np.int64), np.zeros((len(rows), *size))
     rank.call(
         find_weights, setting.without_materials(), rank.grid.window, p, Order(rows, start),
         first, weights,
     )  # fmt: skip
-    weights = weights[:, :, : rank.grid.vertices]
+    if not by_corners:
+        weights = weights[:, :, : rank.grid.vertices]
     weights[weights < _LEAST] = 0.0
     return Weighed(layer, p.id[rows].astype(np.int64), mass, first // RECORD, weights)
 
@@ -173,12 +176,10 @@ def _touched(rank: RankState, loose: Weighed, shape: tuple[int, ...], reach: int
     """Whether particles that are in no whole cell have weight at vertices; collective."""
     found = np.zeros(shape, bool)
     flat, plane = found.reshape(-1), int(np.prod(shape[1:]))
-    for corner in product(range(loose.weights.shape[2]), repeat=loose.weights.shape[1]):
-        some = np.ones(len(loose.mass), bool)
-        for d, i in enumerate(corner):
-            some &= loose.weights[:, d, i] > 0.0
+    D, vertices = loose.support
+    for corner in product(range(vertices), repeat=D):
         offset = corner[0] * plane + vertex_offset(corner[1:], shape[3])
-        flat[(loose.layer * plane + loose.first + offset)[some]] = True
+        flat[(loose.layer * plane + loose.first + offset)[loose.touches(corner)]] = True
     below, above = _swap(rank, found[:reach], found[rank.slab.layers :])
     if below is not None:
         found[:reach] |= below

@@ -13,6 +13,9 @@ from pgimp.solver.rank_state import RankState
 #: Vertices from a slave to its masters, at most, along each direction.
 REACH = 2
 
+#: Greater than all other differences of cells: a cell off the face that a slave is on.
+_OFF_FACE = 1e6
+
 #: What decides between cells that are as good; above rounding.
 _TIE = 1e-7
 
@@ -29,8 +32,9 @@ class Vertices(NamedTuple):
     #: (planes, fields, y, z) float64: Volumes of particles times weights, over that of a cell.
     held: np.ndarray
     exact: np.ndarray  #: (planes, fields, y, z) bool: Where a body is that is exact to its surface.
-    #: sequence of (int, int): Axis and number of the planes of vertices with a condition.
-    faces: Sequence[tuple[int, int]]
+    #: sequence of (int, int, bool): Axis and number of the planes of vertices with a condition, and
+    #: whether this holds all components.
+    faces: Sequence[tuple[int, int, bool]]
 
     @staticmethod
     def sizes(rank: RankState) -> tuple[int, int, int]:
@@ -72,12 +76,6 @@ class Vertices(NamedTuple):
         return Vertices.joined(rank, (*number.T, none, none), field)
 
     @staticmethod
-    def strides(rank: RankState) -> tuple[int, ...]:
-        """Differences of the keys of neighbours, by direction."""
-        ny, nz, fields = Vertices.sizes(rank)
-        return (ny * nz * fields, nz * fields, fields)[: len(rank.grid.frame.cell)]
-
-    @staticmethod
     def cells_under(rank: RankState, rows: np.ndarray) -> np.ndarray:
         """Keys of the first vertices of the cells in which particles were at the start."""
         frame, p = rank.grid.frame, rank.population.columns
@@ -87,20 +85,32 @@ class Vertices(NamedTuple):
         return Vertices.key(rank, number, p.body[rows])
 
     @staticmethod
-    def cells_of(rank: RankState, keys: np.ndarray) -> np.ndarray:
-        """Keys of the first vertices of the cells round some vertices."""
+    def cells_round(rank: RankState, keys: np.ndarray) -> np.ndarray:
+        """Keys of the first vertices of the cells round each vertex, (2^D, n); -1 for none."""
         *place, field = Vertices.numbers(rank, keys)
+        corners = [(*each, 0, 0) for each in product((0, 1), repeat=len(rank.grid.frame.cell))]
         found = [
             Vertices.joined(rank, [place[d] - corner[d] for d in range(3)], field)
-            for corner in (
-                (*each, 0, 0) for each in product((0, 1), repeat=len(rank.grid.frame.cell))
-            )
+            for corner in corners
         ]
-        return np.unique(np.concatenate(found))
+        return np.stack(found)
+
+    @staticmethod
+    def cells_of(rank: RankState, keys: np.ndarray) -> np.ndarray:
+        """Keys of the first vertices of the cells round some vertices."""
+        return np.unique(Vertices.cells_round(rank, keys))
 
     def field_of(self, keys: np.ndarray) -> np.ndarray:
         """Fields of vertices, by their keys."""
         return self.numbers(self.rank, keys)[3]
+
+    def at_rest(self, keys: np.ndarray) -> np.ndarray:
+        """Whether vertices are on a face that holds all components, (n,) bool."""
+        place, found = self.numbers(self.rank, keys), np.zeros(len(keys), bool)
+        for axis, number, holds in self.faces:
+            if holds:
+                found |= place[axis] == number
+        return found
 
     def around(self, keys: np.ndarray) -> np.ndarray:
         """Keys of all vertices of the grid within `REACH`, ascending."""
@@ -133,6 +143,9 @@ def choose_masters(
     vertices: Vertices, keys: np.ndarray, known: np.ndarray, held: np.ndarray, least: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Choose the cell of each slave: the least sum of weights' sizes, then along the inward normal.
+
+    A slave on a face with a condition has masters there, so that the face holds it as them. Only a
+    body that ends within the cell beside a face, and hardly reaches into it, has none there.
 
     Parameters
     ----------
@@ -174,21 +187,22 @@ def choose_masters(
         there = known[row] == around
         volume = np.where(there, held[row], 0.0)
         good = (volume >= least)[:, members].all(axis=2)
-        for axis, number in vertices.faces:  # what a face holds, masters on it hold as well
+        score = np.where(good, cost, np.inf)
+        for axis, number, _ in vertices.faces:
             on = place[axis][some] == number
-            good &= ~on[:, None] | (np.abs(firsts[:, axis] + 0.5) < 1.0)
+            score += _OFF_FACE * (on[:, None] & (np.abs(firsts[:, axis] + 0.5) > 1.0))
         inward = np.zeros((len(around), D))
         for d in range(D):
             for column in np.flatnonzero(near):
                 inward[:, d] += volume[:, column] * steps[column, d]
-        for axis, number in vertices.faces:  # beyond it are images
+        for axis, number, _ in vertices.faces:  # beyond it are images
             inward[place[axis][some] == number, axis] = 0.0
         size = np.sqrt((inward * inward).sum(axis=1))
         inward /= np.where(size > 0.0, size, 1.0)[:, None]
         along = np.zeros(good.shape)
         for d in range(D):
             along += inward[:, d, None] * middle[None, :, d]
-        score = np.where(good, cost - 0.25 * np.round(along, 9), np.inf)
+        score -= 0.25 * np.round(along, 9)
         best = np.argmin(score, axis=1)
         found = np.isfinite(score[np.arange(len(best)), best])
         masters[some][found] = np.take_along_axis(row, members[best], axis=1)[found]

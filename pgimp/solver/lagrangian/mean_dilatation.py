@@ -18,8 +18,7 @@ Whole cells that share it with none stay lattice cells, see `pgimp.solver.lagran
 
 from __future__ import annotations
 
-from itertools import product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -31,7 +30,6 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.lagrangian.cells import LatticeCells
 from pgimp.solver.lagrangian.masters import Vertices
 from pgimp.solver.rank_state import RankState
-from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import StepPart
 
 
@@ -65,16 +63,19 @@ class MeanDilatation(StepPart):
 
     def find(self, rank: RankState) -> None:
         """Find the cells with slaves, and their roots: with most of their slaves as masters."""
-        slaves, D = rank.slaves, self.scene.dimension
+        slaves = rank.slaves
         self._field = self._lattice = None
         self.cells = self.roots = np.zeros(0, np.int64)
         if not len(slaves.keys):
             return
-        strides, roots = Vertices.strides(rank), slaves.masters[slaves.of[:, 0]]
-        corners = [*product((0, 1), repeat=D)]
-        cells = np.concatenate([slaves.keys - np.dot(corner, strides) for corner in corners])
-        pairs, counts = np.unique([cells, np.tile(roots, len(corners))], axis=1, return_counts=True)
-        pairs = pairs[:, np.lexsort((pairs[1], -counts, pairs[0]))]
+        cells = Vertices.cells_round(rank, slaves.keys)
+        roots = np.broadcast_to(slaves.masters[slaves.of[:, 0]], cells.shape)
+        both = np.stack([cells, roots]).reshape(2, -1)
+        # Of equally many the one of the first corner, so that cells at seams choose alike.
+        pairs, corner, counts = np.unique(
+            both[:, both[0] >= 0], axis=1, return_index=True, return_counts=True
+        )
+        pairs = pairs[:, np.lexsort((corner, -counts, pairs[0]))]
         self.cells, first = np.unique(pairs[0], return_index=True)
         self.roots = pairs[1, first]
 
@@ -95,7 +96,7 @@ class MeanDilatation(StepPart):
         p.mean_stress[rows, 0] = (1.0 - p.isolation[rows, 0]) * mean
         self._average(rank, p.mean_stress)
 
-    def force_particles(self, rank: RankState, order: Order, t: Step, forcing: Forcing) -> Forcing:
+    def force_particles(self, rank: RankState, order: Order, t: Any, forcing: Forcing) -> Forcing:
         """Find the deformation gradients of the groups after the step; collective."""
         self._located(rank)
         p, scene = rank.population.columns, self.scene

@@ -23,6 +23,7 @@ from pgimp.jit.rehearsal import needed
 from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_MASS, KEPT_VELOCITY
 from pgimp.kernels.data.record import FORCE, RECORD
 from pgimp.kernels.lagrangian.slaves import (
+    fold_averages,
     fold_vectors,
     leave_to_masters,
     spread_vectors,
@@ -77,6 +78,8 @@ class Slaves(StepPart):
         Each slave's masters, as numbers in `masters`.
     weights : (n, 2^D) float64
         Their weights.
+    own : (bodies, n) float64
+        The masses that slaves have of each body, and give to their masters.
     free : (k,) int64
         Vertices that hold too little, and have no cell near them.
     courant : float
@@ -88,6 +91,7 @@ class Slaves(StepPart):
         corners = 2**scene.dimension
         self.keys = self.masters = np.zeros(0, np.int64)
         self.of, self.weights = np.zeros((0, corners), np.int64), np.zeros((0, corners))
+        self.own = np.zeros((len(scene.body_names), 0))
         self.free, self.courant = np.zeros(0, np.int64), np.inf
         # Changes of mass by folding: vertex, body, change.
         self._changes: tuple[np.ndarray, np.ndarray, np.ndarray] = (
@@ -142,17 +146,21 @@ class Slaves(StepPart):
         numbers, self.of = np.unique(masters[chosen], return_inverse=True)
         self.of = self.of.reshape(self.weights.shape)
         self.masters, self._mass = known[numbers], folded[numbers]
-        self._find_changes(own[:, row[chosen]])
+        self.own = own[:, row[chosen]]
+        self._find_changes()
         folded[row[chosen]] = 0.0
+        folded[vertices.at_rest(known)] = 0.0
         light = np.concatenate([self.keys, self.free])
         of = np.searchsorted(known, self.masters)[self.of]
         self.courant = stable_courant(rank, light, known, folded, (of, self.weights))
+        if rank.averaged_mass:
+            self.courant /= (1.0 + rank.averaged_mass.alpha.max()) ** 0.5
         self._field = None
 
-    def _find_changes(self, own: np.ndarray) -> None:
-        """Set the changes of mass by folding, given what slaves have of each body."""
+    def _find_changes(self) -> None:
+        """Set the changes of mass by folding."""
         found = []
-        for b, mass in enumerate(own):
+        for b, mass in enumerate(self.own):
             change = np.zeros(len(self.masters))
             np.add.at(change, self.of.reshape(-1), (self.weights * mass[:, None]).reshape(-1))
             for keys, values in ((self.keys, -mass), (self.masters, change)):
@@ -182,37 +190,79 @@ class Slaves(StepPart):
         if not needed(len(self.keys)):
             return
         rows, grid = self._located(rank), rank.grid
-        force = np.empty((len(self.keys), 3))
-        rank.call(take_vectors, grid.G, FORCE, rows.own, force)
-        self._exchange(force, rows, 0)
         to = self.of, self.weights, rows.masters
-        rank.call(fold_vectors, grid.G, FORCE, force, *to)
-        rank.call(leave_to_masters, grid.G, self._mass, rows.slaves, rows.masters)
-        records = grid.G.reshape(-1, RECORD)
+        rank.call(fold_vectors, grid.G, FORCE, self._forces(rank, rows), *to)
+        self._leave(rank, rows)
+
+    def _forces(self, rank: RankState, rows: Rows) -> np.ndarray:
+        """The forces on all slaves that the rank needs, (n, 3); collective."""
+        force = np.empty((len(self.keys), 3))
+        rank.call(take_vectors, rank.grid.G, RECORD, FORCE, rows.own, force)
+        self._exchange(force, rows, 0)
+        return force
+
+    def _leave(self, rank: RankState, rows: Rows) -> None:
+        """Take forces and masses from slaves, as their masters have them; set all copies."""
+        rank.call(leave_to_masters, rank.grid.G, self._mass, rows.slaves, rows.masters)
+        records = rank.grid.G.reshape(-1, RECORD)
         records[rows.copies[:, 1]] = records[rows.copies[:, 0]]
 
-    def spread(self, rank: RankState, values: np.ndarray, first: int) -> None:
-        """Set vectors at slaves to what their masters' give; collective.
+    def fold_averages(self, rank: RankState, alpha: np.ndarray, known: np.ndarray) -> None:
+        """Add what the averaged mass takes from slaves to their masters' forces; collective.
 
         Parameters
         ----------
-        values : (records * RECORD,) float64
-            Records of the rank's vertices.
-        first : int
-            Entry of a record with the first component.
+        alpha : (bodies,) float64
+            Part of the consistent mass by body.
+        known : (m, 3) float64
+            The masters' accelerations, from `spread`.
         """
         if not needed(len(self.keys)):
             return
         rows = self._located(rank)
+        rank.call(
+            fold_averages, rank.grid.G, FORCE, self._forces(rank, rows),
+            np.asarray(alpha @ self.own), known, self.of, self.weights, rows.masters,
+        )  # fmt: skip
+        self._leave(rank, rows)
+
+    def spread(
+        self, rank: RankState, values: np.ndarray, first: int, size: int = RECORD
+    ) -> np.ndarray:
+        """Set vectors at slaves to what their masters' give, and return these; collective.
+
+        Parameters
+        ----------
+        values : (records * size,) float64
+            Records of the rank's vertices.
+        first : int
+            Entry of a record with the first component.
+        size : int
+            Numbers of a record.
+
+        Returns
+        -------
+        (m, 3) float64
+            The vectors of the masters that the rank needs.
+        """
         known = np.empty((len(self.masters), 3))
-        rank.call(take_vectors, values, first, rows.masters, known)
+        if not needed(len(self.keys)):
+            return known
+        rows = self._located(rank)
+        rank.call(take_vectors, values, size, first, rows.masters, known)
         self._exchange(known, rows, 1)
-        rank.call(spread_vectors, values, first, known, self.of, self.weights, rows.slaves)
-        records, vector = values.reshape(-1, RECORD), slice(first, first + 3)
+        to = self.of, self.weights, rows.slaves
+        rank.call(spread_vectors, values, size, first, known, *to)
+        records, vector = values.reshape(-1, size), slice(first, first + 3)
         records[rows.copies[:, 1], vector] = records[rows.copies[:, 0], vector]
+        return known
 
     def complete_sums(
-        self, rank: RankState, some: Collection[int] | None, sums: np.ndarray
+        self,
+        rank: RankState,
+        some: Collection[int] | None,
+        part: np.ndarray | tuple[()],
+        sums: np.ndarray,
     ) -> None:
         """Add what masters have in place of slaves: angular momentum and kinetic energy.
 
@@ -220,6 +270,8 @@ class Slaves(StepPart):
         ----------
         some : collection of int or None
             The bodies of the sums; None: all.
+        part : (bodies,) float64 or ()
+            See `pgimp.kernels.lagrangian.sums.motion_sums`.
         sums : (layers, bodies, columns) float64
             See `pgimp.kernels.sums.sums.layer_sums`.
         """
@@ -230,6 +282,7 @@ class Slaves(StepPart):
         counted = np.isin(bodies, [*some]) if some is not None else np.ones(len(bodies), bool)
         records = rows.records[counted]
         layer, bodies, mass = rows.layers[counted], bodies[counted], mass[counted]
+        mass = mass * part[bodies] if len(part) else mass
         motion = rank.grid.kept.values.reshape(-1, RECORD)[records]
         v = motion[:, KEPT_VELOCITY : KEPT_VELOCITY + 3]
         x = self._places(rank, self._changes[0][rows.changed[counted]])

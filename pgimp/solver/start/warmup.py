@@ -21,6 +21,7 @@ from pgimp.kernels.update.turns import turn_particles
 from pgimp.mpi.comm import Serial
 from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.node import shared_out
+from pgimp.physics.derived import RECOVERED
 from pgimp.scene.bodies.populate import prestressed
 from pgimp.scene.checks.overstress import stressed
 from pgimp.scene.scene import Scene
@@ -28,6 +29,7 @@ from pgimp.solver.damping.relaxation import Relaxation
 from pgimp.solver.decomposition import open_window
 from pgimp.solver.flows import EVERY
 from pgimp.solver.history.diagnostics import Diagnostics
+from pgimp.solver.lagrangian.recovered_stress import recovered_stresses
 from pgimp.solver.particle_groups import fastest
 from pgimp.solver.rank import Rank
 from pgimp.solver.reduction import StepReduction
@@ -80,8 +82,11 @@ def _rehearse(scene: Scene) -> None:
     rank.population.restore_order(rows, rows)
     fastest(scene, particles, rows, scene.settings.controlled)
     Diagnostics().line(rank, STEP)
-    if any(ENERGY in each.fields for each in (scene.case.output, *scene.case.probes.values())):
+    fields = {f for each in (scene.case.output, *scene.case.probes.values()) for f in each.fields}
+    if ENERGY in fields:
         strain_energies(scene.setting, particles, rows)
+    if RECOVERED in fields:
+        recovered_stresses(rank, particles.origin[:0], particles.body[:0])
     if rank.contact.at_vertices and "contact" in scene.case.output.grid:
         active_grid(rank, STEP.start, STEP.dt)
     complete(rank.grid.field, 0, 1, False, np.empty(0))

@@ -51,7 +51,7 @@ def stored_contact(rank: Rank, source: CheckpointFile, read: Callable) -> dict[s
         if len(found[SEARCH]) < 8 or not np.isfinite(found[SEARCH]).all():
             raise DamagedError("its search for contact is none")
     if rank.averaged_mass and PUSHED in source.whole:
-        found[PUSHED] = read(source, PUSHED, (*source.whole[PUSHED][1][:1], 4))
+        found[PUSHED] = read(source, PUSHED, (*source.whole[PUSHED][1][:1], 7))
         if (np.ascontiguousarray(found[PUSHED][:, 0]).view(np.int64) < 0).any():
             raise DamagedError("its accelerations by contact are at no vertices")
     return found

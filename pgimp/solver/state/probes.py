@@ -18,7 +18,7 @@ from pgimp.physics.columns import FOLLOWED, PLACE, Around
 from pgimp.physics.derived import OF_STRESS, RECOVERED
 from pgimp.physics.fields import FIELDS, TENSOR, volume
 from pgimp.solver.lagrangian.pieces import source_at
-from pgimp.solver.state.recovered_stress import recovered_stresses
+from pgimp.solver.lagrangian.recovered_stress import recovered_stresses
 from pgimp.storage.framefile import blocks
 
 if TYPE_CHECKING:

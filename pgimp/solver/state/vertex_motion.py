@@ -153,10 +153,15 @@ def _find_slaves(rank: Rank) -> None:
         r = frame.origin[0] + (place[0] - frame.ghost) * frame.cell[0]
         held /= 2.0 * np.pi * np.maximum(r, frame.cell[0] / 6.0)
     faces = [
-        (face.axis, frame.ghost + (frame.cells[face.axis] if face.side > 0 else 0))
+        (
+            face.axis,
+            frame.ghost + (frame.cells[face.axis] if face.side > 0 else 0),
+            face.condition.motion(0.0) is not None,
+        )
         for face in scene.domain.faces
+        if not face.condition.approaches
     ]
-    for axis, number in faces:  # half of what they hold is beyond
+    for axis, number, _ in faces:  # half of what they hold is beyond
         if not (scene.case.axisymmetric and axis == 0 and number == frame.ghost):
             held[place[axis] == number] *= 2.0
     rank.slaves.find(rank, Vertices(rank, keys, held, exact, faces), masses)

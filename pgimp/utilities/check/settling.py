@@ -83,7 +83,7 @@ def _together(bodies: Sequence[BodyFacts], cell: Sequence[float]) -> list[list[B
     touch = (apart <= cell).all(axis=1)
     for a, b in zip(first[touch], second[touch], strict=True):
         group[group == group[b]] = group[a]
-    return [[bodies[n] for n in np.flatnonzero(group == g)] for g in np.unique(group)]
+    return [[bodies[n] for n in np.flatnonzero(group == g).tolist()] for g in np.unique(group)]
 
 
 def _sloshing(case: Case, body: BodyFacts) -> float:

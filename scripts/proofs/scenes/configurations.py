@@ -44,30 +44,32 @@ def initial(rng, scene):
 
 
 def _thick(body, cells):
-    """Whether a body is a box or ball of three cells and more in each direction."""
+    """Whether a body is a box or ball of two cells and more in each direction."""
     region = body.get("region", {})
     if box := region.get("box"):
         sides = [high - low for low, high in zip(box["min"], box["max"], strict=True)]
-        return all(side >= 3.0 * h for side, h in zip(sides, cells, strict=True))
+        return all(side >= 2.0 * h for side, h in zip(sides, cells, strict=True))
     ball = region.get("ball")
-    return bool(ball) and ball["radius"] >= 1.5 * max(cells)
+    return bool(ball) and ball["radius"] >= max(cells)
 
 
 def exact_surfaces(rng, scene):
-    """Bodies exact to their surface, where all are in the initial configuration, alone."""
+    """Bodies exact to their surface, some if not all, where all are in the initial configuration.
+
+    Of thin ones, or from files, there are none: steps would be refused.
+    """
     case = scene.case
-    bodies, method, walls = case["bodies"], case["method"], case["boundaries"]
+    solids = [body for body in case["bodies"].values() if "rigid" not in body]
+    thick = [body for body in solids if _thick(body, case["grid"]["cell"])]
     if (
         case["dimensions"] == 1
-        or method.get("volumetric") == "mean"
-        or method["shape"] not in ("gimp", "finite-gimp", "mpm", "cpdi")
-        or "contact" in case
-        or any("separating" in kind for kind in walls.values())
-        or any(body.get("configuration") != "initial" for body in bodies.values())
-        or not all(_thick(body, case["grid"]["cell"]) for body in bodies.values())
+        or case["method"]["shape"] not in ("gimp", "finite-gimp", "mpm", "cpdi")
+        or any(body.get("configuration") != "initial" for body in solids)
+        or any("points" in body["region"] for body in solids)
+        or not thick
     ):
         return False
-    for body in bodies.values():
+    for body in thick:
         body["surface"] = "exact"
     return True
 
@@ -76,8 +78,7 @@ def averaged(rng, scene):
     """Averaged mass, of all bodies or of some, where they are in the initial configuration."""
     case = scene.case
     begun = [b for b in case["bodies"].values() if b.get("configuration") == "initial"]
-    exact = any(body.get("surface") == "exact" for body in begun)
-    if not begun or exact or case["method"]["shape"] == "mpm":
+    if not begun or case["method"]["shape"] == "mpm":
         return False
     if len(begun) == len(case["bodies"]) and rng.random() < 0.6:
         case["method"]["mass"] = "averaged"
@@ -139,7 +140,10 @@ def _flowing(entry):
     from pgimp.physics.materials import MATERIALS
 
     law = MATERIALS.get(entry["model"])  # of one's own there is none
-    return law is not None and law.model_validate(entry).flow_speed > 0.0
+    try:
+        return law is not None and law.model_validate(entry).flow_speed > 0.0
+    except ValueError:  # refused, as the scene will be
+        return False
 
 
 def along_the_axis(rng, scene):

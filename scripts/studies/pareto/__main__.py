@@ -6,7 +6,7 @@ from benchmarks.workers.taichi_python import taichi_python
 from studies.harness import Kept, options_of, origin, out, put, write_csv
 from studies.pareto.candidates import METHODS
 from studies.pareto.fronts_drawn import draw
-from studies.pareto.fronts_table import fronts, prices
+from studies.pareto.fronts_table import fronts, masses, prices
 from studies.pareto.ladders import ladder
 from studies.pareto.large_bodies import Hertz, Impact, Vortex
 from studies.pareto.peer_runs import peer_ladder
@@ -56,12 +56,31 @@ def report(kept, problems):
     })  # fmt: skip
 
 
+def measure_masses(problems, kept):
+    """Measure lumped and averaged mass in the initial configuration, and write their table."""
+    methods = [m for m in METHODS if m.initial and (m.shape, m.affine) == ("gimp", False)]
+    methods = [m for m in methods if m.per_cell == 2]
+    records = []
+    for problem in problems:
+        if (name := f"masses of {problem.name}") not in kept:
+            kept.add(name, ladder(problem, methods, problem.sizes))
+            print(f"pareto: {problem.name}", flush=True)
+        records += kept[name]
+    note = f"Measured on one core of {origin()}."
+    put({"pareto-masses": f"{masses(records, problems)}\n{note}\n"})
+
+
 def main():
     """Measure, and write pareto.json, the tables, the pictures and the page."""
     known = {problem.name: problem for problem in PROBLEMS}
     only = {"among": known, "metavar": "PROBLEM,..", "help": "the others stay"}
-    options = options_of("pareto", redraw="tables from what is there", only=only)
+    words = "only lumped and averaged mass in the initial configuration"
+    options = options_of("pareto", redraw="tables from what is there", only=only, masses=words)
     kept = Kept(out("pareto") / "pareto.json")
+    if options.masses:
+        some = [known[name] for name in options.only or known if known[name].initial]
+        measure_masses(some, kept)
+        return
     if not options.redraw:
         measure([known[name] for name in options.only or known], kept)
     report(kept, [p for p in PROBLEMS if p.name in kept["origins"]])

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 
 class Method(NamedTuple):
-    """A method of pgimp: shape, transfer, configuration, particles a cell and direction, step.
+    """A method of pgimp: shape, transfer, configuration, particles a cell, step, mass.
 
     The Courant number ``auto`` leaves the step to pgimp.
     """
@@ -14,6 +14,7 @@ class Method(NamedTuple):
     initial: bool = False
     per_cell: int = 2
     courant: float | str = 0.3
+    mass: str = "lumped"
 
     @property
     def label(self):
@@ -21,6 +22,7 @@ class Method(NamedTuple):
         words = [self.shape]
         words += ["affine"] * self.affine + ["initial"] * self.initial
         words += ["1 a cell"] * (self.per_cell == 1) + ["auto"] * (self.courant == "auto")
+        words += ["averaged"] * (self.mass == "averaged")
         return ", ".join(words)
 
 
@@ -47,4 +49,5 @@ METHODS = (
     ),
     Method("gimp", True, courant="auto"), Method("cpdi", True, courant="auto"),
     Method("gimp", False, True, courant="auto"), Method("gimp", True, True, courant="auto"),
+    *(Method("gimp", False, True, courant=courant, mass="averaged") for courant in (0.3, "auto")),
 )  # fmt: skip

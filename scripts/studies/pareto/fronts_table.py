@@ -80,3 +80,14 @@ def _price(problem, runs, least):
     if not errors:
         return "stopped" if stopped else "useless"
     return f"({percent(min(errors))}{', then stopped' * stopped})"
+
+
+def masses(records, problems):
+    """A line a problem: with each method the price of its target, and the error on fine cells."""
+    names = list(dict.fromkeys(r["method"] for r in records))
+    lines = []
+    for p in problems:
+        ladders = by_method(records, p)
+        cells = [f"{_price(p, ladders[name], 0.0)}; {_run(ladders[name][-1])}" for name in names]
+        lines.append((f"{p.title}, {100.0 * p.target:g} %", *cells))
+    return table(("problem and its error", *names), lines)

@@ -92,7 +92,7 @@ def body_case(problem, method, size, h, region, end):
     return case_of(
         [float(round(s)) * h for s in size[: problem.D]], h, {"elastic": elastic}, {"body": body},
         end, courant=method.courant, per_cell=method.per_cell, boundaries=dict(problem.walls),
-        method={"shape": method.shape, "affine": method.affine},
+        method={"shape": method.shape, "affine": method.affine, "mass": method.mass},
     )  # fmt: skip
 
 

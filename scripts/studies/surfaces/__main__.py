@@ -1,10 +1,14 @@
 """Measures bodies that are exact to their surface beside cut ones; see scripts/surfaces."""
 
 from itertools import product
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 from studies.harness import Table, options_of, origin
 from studies.scenes import ball, box, case_of, core
+from studies.surfaces import at_surfaces
+from studies.surfaces.bores import PROBLEMS, errors
 
 from pgimp.kernels.data.motion import KEPT_MASS, KEPT_VELOCITY
 from pgimp.kernels.data.record import RECORD
@@ -14,6 +18,7 @@ BOTH = ("cut", "exact")
 #: Low corners of blocks, or what is added to centres, in cells.
 OFFSETS = ((0.37, 0.21), (0.2, 0.6), (0.97, 0.02))
 PUSH = 1e-3
+WHAT = ("stress", "modes", "bores", "energy", "surfaces", "locking")
 
 
 def made(size, region, surface, end, **parts):
@@ -53,6 +58,29 @@ def pressed(cells, surface):
     middle = cells + 2.0 + np.array([0.13, -0.09, 0.27])
     load = {"body": "b", "region": box([0.0] * 3, size), "pressure": -PUSH}
     return stresses(size, ball(middle, cells), surface, {"all": load}, [0, 1, 2])
+
+
+def turned(surface):
+    """A cube of an STL file, turned about all axes, under pressure all round."""
+    angles, R = np.radians((20.0, 15.0, 35.0)), np.eye(3)
+    for axis, angle in enumerate(angles):
+        i, j, one = (axis + 1) % 3, (axis + 2) % 3, np.eye(3)
+        one[i, i] = one[j, j] = np.cos(angle)
+        one[j, i], one[i, j] = np.sin(angle), -np.sin(angle)
+        R = one @ R
+    x = 3.7 * (np.array(list(product((0, 1), repeat=3))) - 0.5) @ R.T + (3.87, 4.13, 3.91)
+    sides = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+    lines = ["solid cube"]
+    for a, b, c, d in sides:
+        for corners in ((a, b, c), (a, c, d)):
+            lines += ["facet normal 0 0 0", "outer loop"]
+            lines += ["vertex {:.17g} {:.17g} {:.17g}".format(*x[k]) for k in corners]
+            lines += ["endloop", "endfacet"]
+    load = {"all": {"body": "b", "region": box([0.0] * 3, [8.0] * 3), "pressure": -PUSH}}
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "cube.stl"
+        path.write_text("\n".join([*lines, "endsolid cube"]))
+        return stresses([8.0] * 3, {"mesh": {"file": str(path)}}, surface, load, [0, 1, 2])
 
 
 def shape(kind, cells, offset):
@@ -112,7 +140,7 @@ def energy(surface, steps):
 
 def main():
     """Measure and print."""
-    what = options_of("surfaces", what={"nargs": "*"}).what or ("stress", "modes", "energy")
+    what = options_of("surfaces", what={"nargs": "*"}).what or WHAT
     print(f"Measured on one core of {origin()}.\n")
     if "stress" in what:
         table = Table("stress over the exact one", *(f"`{each}`" for each in BOTH))
@@ -121,6 +149,8 @@ def main():
             table.add(words, *(block(offset, each) for each in BOTH))
         for cells in (4, 8):
             table.add(f"ball, radius {cells} cells, pressure", *(pressed(cells, b) for b in BOTH))
+        words = "cube of an STL file, 3.7 cells, turned about all axes, pressure"
+        table.add(words, *map(turned, BOTH))
         print(table.text())
     if "modes" in what:
         table = Table("first 12 frequencies, rms of their errors; greatest over 2c/h",
@@ -137,11 +167,54 @@ def main():
                     texts.append(f"{100 * error:.2f} %, {most:.2f}")
                 table.add(f"{kind} of {cells} cells", *texts)
         print(table.text())
+    if "bores" in what:
+        table = Table("errors at the bore: displacement; hoop stress, rms and greatest",
+                      *(f"`{each}`" for each in BOTH))  # fmt: skip
+        for problem in PROBLEMS:
+            for cells in (4, 8):
+                found = (errors(problem, cells, surface) for surface in BOTH)
+                texts = ("; ".join(f"{each:.2g}" for each in every) + " %" for every in found)
+                table.add(f"{problem[0]}, radius {cells} cells", *texts)
+        print(table.text())
     if "energy" in what:
         table = Table("1e5 steps of a turning block", "greatest change of energy",
                       "of the last fifth's mean", "of spin")  # fmt: skip
         for surface in BOTH:
             table.add(f"`{surface}`", *(f"{each:.1e}" for each in energy(surface, 100_000)))
+        print(table.text())
+    if "surfaces" in what:
+        titles = ("", "`cut`, stress", "recovered", "`exact`, stress", "recovered")
+        table = Table("hoop stress: greatest at the surface; rms at particles there", *titles[1:])
+        for words, measure, radii in (
+            ("hole, 3 is right", at_surfaces.hole, (4, 8, 16)),
+            ("bore, 1.667 is right", at_surfaces.bore, (4, 8)),
+        ):
+            for radius in radii:
+                texts = []
+                for surface in BOTH:
+                    found = [measure(radius, each, surface) for each in at_surfaces.OFFSETS]
+                    own, there, error, errors = np.max(found, axis=0)
+                    texts += [f"{own:.2f}; {error:.3f}", f"{there:.2f}; {errors:.3f}"]
+                table.add(f"{words}: radius {radius} cells", *texts)
+        print(table.text())
+        table = Table("stress at the top of a bent beam over the exact one", *titles[1:])
+        for height in (4, 8):
+            texts = []
+            for surface in BOTH:
+                found = [at_surfaces.beam(height, s, surface) for s in at_surfaces.SHIFTS]
+                texts += [
+                    f"{min(each):.3f} to {max(each):.3f}" for each in zip(*found, strict=True)
+                ]
+            table.add(f"{height} cells", *texts)
+        print(table.text())
+    if "locking" in what:
+        table = Table("cantilever, Poisson's ratio 0.4999, mean dilatation", *BOTH)
+        for cells in (4, 8):
+            texts = []
+            for surface in BOTH:
+                found = [at_surfaces.locked(cells, s, surface) for s in at_surfaces.SHIFTS]
+                texts.append(f"{100 * min(found):+.1f} to {100 * max(found):+.1f} %")
+            table.add(f"{cells} cells", *texts)
         print(table.text())
 
 

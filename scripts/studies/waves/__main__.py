@@ -1,8 +1,8 @@
 """Measures waves with lumped and with averaged mass; see scripts/waves."""
 
 import numpy as np
-from studies.harness import options_of, origin, table
-from studies.waves import bars, bodies, dispersion, impacts, lasting, standing
+from studies.harness import options_of, origin, put, table
+from studies.waves import bars, bodies, costs, dispersion, impacts, lasting, standing
 
 MASSES = ("lumped", "averaged")
 
@@ -24,9 +24,10 @@ def speeds():
 
 def main():
     """Measure what is asked for, and print its tables."""
-    names = "numbers", "speeds", "pulse", "bodies", "standing", "impacts", "long"
+    names = "numbers", "speeds", "pulse", "bodies", "standing", "impacts", "costs", "long"
     what = {"nargs": "*", "among": names, "metavar": "WHAT"}
-    options = options_of("waves", what=what, steps={"type": int, "default": 100_000})
+    steps, docs = {"type": int, "default": 100_000}, "write the tables of costs into the pages"
+    options = options_of("waves", what=what, steps=steps, docs=docs)
     chosen = options.what or names[1:-1]
     measured = f"Measured by `scripts/waves` on one core of {origin()}."
     if "numbers" in chosen:
@@ -42,7 +43,8 @@ def main():
         titles = ["mass", "front, cells from 0.9 to 0.1", "overshoot"]
         print(table(titles, bars.front_rows(), measured))
     if "bodies" in chosen:
-        titles = ["body", "lumped, rms [%]", "averaged, rms [%]", "highest frequency over lumped"]
+        titles = ["first 12 modes, rms [%]", *(f"{a}, {b}" for a, b in bodies.WAYS),
+                  "highest over lumped, cut", "exact"]  # fmt: skip
         print(table(titles, bodies.rows(), measured))
     if "standing" in chosen:
         print(table(["wave", "lumped", "averaged"], standing.rows(), measured))
@@ -53,3 +55,12 @@ def main():
     if "long" in chosen:
         titles = ["scene", "Courant", "mass", "energy", "its drift", "spin", "momentum"]
         print(table(titles, lasting.rows(options.steps), measured))
+    if "costs" in chosen:
+        titles = ["mass", "cells a wave", "particles", "error of P, S waves [%]", "CPU seconds",
+                  "over lumped"]  # fmt: skip
+        found = {"waves-cost": table(titles, costs.waves(), measured)}
+        titles = ["", "particles", "million particle-steps/s", "speed over the other's"]
+        found["initial-costs"] = table(titles, costs.steps(), measured)
+        print("\n".join(found.values()))
+        if options.docs:
+            put(found)

@@ -13,9 +13,11 @@ def _run(bars, cells, mass, courant, gap):
     law = {"model": "linear-1d", "young": 1.0, "density": 1.0}
     bodies, low = {}, 3.3
     for n, v in enumerate(bars):
-        bodies[f"bar{n}"] = {"material": "bar", "configuration": "initial"} | filled(
-            [low], [low + cells]
-        ) | {"velocity": [v * SPEED]}
+        bodies[f"bar{n}"] = (
+            {"material": "bar", "configuration": "initial"}
+            | filled([low], [low + cells])
+            | {"velocity": [v * SPEED]}
+        )
         low += cells + gap
     end = 2.5 * cells * len(bars) + gap / SPEED * (len(bars) - 1)
     case = case_of([float(int(low) + 8)], 1.0, {"bar": law}, bodies, end, courant=courant,

@@ -20,7 +20,7 @@ def error(case, mode, exact, periods=6.0):
     The momentum along the mode is fitted by a wave of that frequency.
     """
     sim = core(case)
-    grid, frame, D = sim.rank.grid, sim.scene.domain.frame, sim.scene.dimension
+    grid, frame = sim.rank.grid, sim.scene.domain.frame
 
     def values():
         return grid.by_vertex(grid.kept.values)[:, 0]
@@ -37,7 +37,9 @@ def error(case, mode, exact, periods=6.0):
         values()[..., KEPT_VELOCITY + d] = SMALL * shape
         weights.append(there * shape)
     for _ in range(round(periods * 2.0 * np.pi / exact / dt)):
-        seen.append(sum((w * values()[..., KEPT_VELOCITY + d]).sum() for d, w in enumerate(weights)))
+        seen.append(
+            sum((w * values()[..., KEPT_VELOCITY + d]).sum() for d, w in enumerate(weights))
+        )
         sim.advance()
     t, seen = np.arange(len(seen)) * dt, np.array(seen)
 
@@ -109,6 +111,8 @@ def rows():
         ("cylinder, {} cells in its radius", cylinder, (8, 16)),
     ):
         for size in sizes:
-            errors = [[function(mass, size, cut) for cut in CUTS] for mass in ("lumped", "averaged")]
-            yield [words.format(size),
-                   *(f"{100.0 * np.sqrt(np.mean(np.square(each))):.2g} %" for each in errors)]  # fmt: skip
+            found = []
+            for mass in ("lumped", "averaged"):
+                errors = [function(mass, size, cut) for cut in CUTS]
+                found.append(f"{100.0 * np.sqrt(np.mean(np.square(errors))):.2g} %")
+            yield [words.format(size), *found]

@@ -84,7 +84,7 @@ def test_masses_of_rings_have_the_moments_of_the_ball():
     np.testing.assert_allclose(mass.sum(axis=1) @ place[0], np.pi**2 * R**4 / 4.0, rtol=1e-4)
 
 
-def across(shift):
+def across(shift, volumetric="pointwise"):
     """A block that moves and is pressed, in a domain that is periodic along x and y, and shifted.
 
     Returns its particles at the end, in the order of their places before the shift.
@@ -105,6 +105,7 @@ def across(shift):
         cells=[9, 8], end=0.8, step=0.02, tractions={"t": load},
         boundaries=dict.fromkeys(("x-min", "x-max", "y-min", "y-max"), "periodic"),
     )  # fmt: skip
+    case["method"]["volumetric"] = volumetric
     sim = start(case)
     slaves = len(sim.rank.slaves.keys)
     finish(sim)
@@ -113,11 +114,20 @@ def across(shift):
     return slaves, np.hstack([p.v[rows], p.sigma[rows], p.F[rows]])[order]
 
 
+@pytest.mark.parametrize("volumetric", ["pointwise", pytest.param("mean", marks=pytest.mark.wide)])
 @pytest.mark.parametrize("shift", [(5.0, 0.0), (0.0, 4.0), (5.0, 4.0), (4.0, 5.0)])
-def test_a_body_across_seams_is_the_same_body(shift):
+def test_a_body_across_seams_is_the_same_body(shift, volumetric):
     """Also where masters are on the other side of a seam."""
-    slaves, found = across(np.array(shift))
-    first, truth = across(np.zeros(2))
+    slaves, found = across(np.array(shift), volumetric)
+    first, truth = across(np.zeros(2), volumetric)
+    assert slaves == first > 4
+    np.testing.assert_allclose(found, truth, atol=1e-12)
+
+
+@pytest.mark.parametrize("shift", [(2.0, 0.0), (5.0, 4.0)])
+def test_cells_share_their_dilatation_across_seams(shift):
+    slaves, found = across(np.array(shift), "mean")
+    first, truth = across(np.zeros(2), "mean")
     assert slaves == first > 4
     np.testing.assert_allclose(found, truth, atol=1e-12)
 

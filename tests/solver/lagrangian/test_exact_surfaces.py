@@ -4,11 +4,13 @@ from itertools import product
 
 import numpy as np
 import pytest
+from meshes import ball as octahedron
+from meshes import stl
 from scenes import finish, scene, start
 
 from pgimp.errors import CaseError
-from pgimp.kernels.data.motion import KEPT_MASS, KEPT_VELOCITY
-from pgimp.kernels.data.record import RECORD
+from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_MASS, KEPT_VELOCITY
+from pgimp.kernels.data.record import FORCE, RECORD
 from pgimp.solver.lagrangian.masters import Vertices
 
 pytestmark = pytest.mark.slow(60)
@@ -149,6 +151,49 @@ def test_uniform_stress_under_a_traction(low):
     assert abs(last["momentum-x"]) < 1e-12
 
 
+def closed(kind, folder):
+    """A region with a closed surface that cuts cells anywhere: round, of triangles, a profile."""
+    if kind == "mesh":
+        turned = np.linalg.qr(np.arange(9.0).reshape(3, 3) ** 2 + np.eye(3))[0]
+        corners = octahedron(1, 2.2) @ (turned * np.sign(np.linalg.det(turned))).T
+        stl(folder / "body.stl", corners + np.array([3.13, 2.91, 3.27]))
+        return {"mesh": {"file": str(folder / "body.stl")}}
+    if kind == "profile":
+        np.save(folder / "h.npy", np.array([4.2, 4.75, 3.9, 5.1, 4.4]))
+        nodes = {"origin": [0.93], "spacing": [1.03]}
+        return {"heights": {"file": str(folder / "h.npy"), "bottom": 1.17, "nodes": nodes}}
+    return {"ball": {"centre": [3.13, 2.91, 3.27][: int(kind[-1])], "radius": 2.2}}
+
+
+@pytest.mark.parametrize("kind", ["ball 2", "ball 3", "mesh", "profile"])
+def test_a_pressure_all_round_balances_uniform_stress(kind, tmp_path):
+    """At every vertex, wherever a surface cuts cells: forces of the load and of the stress."""
+    ball, D = closed(kind, tmp_path), 2 if kind in ("ball 2", "profile") else 3
+    load = {
+        "body": "body",
+        "pressure": -1.0,
+        "region": {"box": {"min": [0.0] * D, "max": [6.0] * D}},
+    }
+    sim = start(scene(D, exact(ball), cells=[6] * D, tractions={"all": load}))
+    _, dN, cells = corners(sim)
+    volume, force = sim.particles.V0[sim.live()], np.zeros((*[7] * D, D))
+    truth = at_vertices((7,) * D, cells, volume[:, None, None] * dN)
+    fold, grid = sim.rank.slaves.add_forces, sim.rank.grid
+
+    def keep(rank, update):
+        G = grid.by_vertex(grid.G)[:, 0, ..., FORCE : FORCE + D]
+        first = np.array(grid.window.lower[:D]) - sim.scene.domain.frame.ghost
+        for place in np.argwhere((G != 0.0).any(axis=-1)):
+            force[tuple(place[:D] + first)] = G[tuple(place)]
+        fold(rank, update)
+
+    sim.rank.slaves.add_forces = keep
+    sim.advance()
+    assert np.abs(force.sum(axis=tuple(range(D)))).max() < 1e-12
+    rounding = 1e-4 if "ball" in kind else 1e-11
+    assert np.abs(force - truth).max() < rounding * np.abs(truth).max()
+
+
 def test_faces_and_regions_give_the_same():
     region = {"box": {"min": [0.0, 0.0], "max": [9.0, 9.0]}}
     by_region = {"region": region, "normal": {"of": [2.0, 0.0], "within": 10}}
@@ -203,6 +248,83 @@ def test_spin_momentum_and_energy_of_vertices():
     np.testing.assert_allclose(*energy, rtol=2e-3)
 
 
+def folding(sim, shape):
+    """The matrix T, from vertices that move by themselves to all of them, and the slaves."""
+    slaves, ghost, D = sim.rank.slaves, sim.scene.domain.frame.ghost, len(shape)
+    at = [
+        np.ravel_multi_index([n - ghost for n in Vertices.numbers(sim.rank, keys)[:D]], shape)
+        for keys in (slaves.keys, slaves.masters)
+    ]
+    T = np.eye(np.prod(shape))
+    T[at[0]] = 0.0
+    np.add.at(T, (at[0][:, None], at[1][slaves.of]), slaves.weights)
+    return T, at[0]
+
+
+@pytest.mark.parametrize("D", [2, 3])
+def test_averaged_mass(D):
+    """Accelerations, energy and spin by L + alpha (C - L), of vertices that move by themselves."""
+    centre, shape = [3.13, 2.91, 2.83][:D], (7,) * D
+    ball = exact({"ball": {"centre": centre, "radius": 2.2}})
+    rng, sims, v = np.random.default_rng(3), {}, None
+    for mass in ("lumped", "averaged"):
+        case = scene(D, ball, cells=[6] * D)
+        case["method"]["mass"] = mass
+        sim = sims[mass] = start(case)
+        kept, ghost = sim.rank.grid.kept.values.reshape(-1, RECORD), sim.scene.domain.frame.ghost
+        window, number = sim.rank.grid.window, np.indices(shape).reshape(D, -1)
+        place = [n + ghost - low for n, low in zip(number, window.lower, strict=False)]
+        here = sum(n * (stride // RECORD) for n, stride in zip(place, window.stride, strict=False))
+        v = 0.01 * rng.normal(size=(len(here), D)) if v is None else v
+        T, slaves = folding(sim, shape)
+        assert len(slaves)
+        some = kept[here, KEPT_MASS] > 0.0
+        kept[here[some], KEPT_VELOCITY : KEPT_VELOCITY + D] = v[some]
+        kept[here[slaves], KEPT_VELOCITY : KEPT_VELOCITY + D] = (T @ v)[slaves]
+        sim.advance()
+        before = kept[here, KEPT_VELOCITY : KEPT_VELOCITY + D].copy()
+        sim.advance()
+        sims[mass] = sim, kept[here, KEPT_VELOCITY : KEPT_VELOCITY + D] - before
+
+    # The averaged mass of the particles' weights.
+    (sim, found), lumped = sims["averaged"], sims["lumped"][1]
+    p, rows, alpha = sim.particles, sim.live(), sim.rank.averaged_mass.alpha[0]
+    N, _, cells = corners(sim)
+    W = np.zeros((len(rows), T.shape[0]))
+    at = np.ravel_multi_index(np.moveaxis(cells, -1, 0), shape)
+    np.put_along_axis(W, at, N, axis=1)
+    C = (W @ T).T @ (p.m[rows][:, None] * (W @ T))
+    L = C.sum(axis=1)
+    np.testing.assert_allclose(kept[here, KEPT_MASS], L, atol=1e-13)
+    inside = L > 0.0
+    change = np.zeros_like(lumped)
+    change[inside] = (C[inside] @ lumped - (L[:, None] * lumped)[inside]) / L[inside, None]
+    expected = T @ (lumped * inside[:, None] - alpha * change)
+    np.testing.assert_allclose(found, expected, atol=1e-9 * np.abs(lumped).max())
+    assert np.abs(alpha * change).max() > 0.1 * np.abs(lumped).max()
+    # Ledgers.
+    M, v = (1.0 - alpha) * np.diag(L) + alpha * C, kept[here, KEPT_VELOCITY : KEPT_VELOCITY + D]
+    line = sim.diagnostics()
+    assert line["kinetic-energy"] == pytest.approx(0.5 * (v * (M @ v)).sum(), rel=1e-12)
+    x = number.T + kept[here, DISPLACEMENT : DISPLACEMENT + D]
+    momentum = M @ v
+    spin = (x[:, 0] * momentum[:, 1] - x[:, 1] * momentum[:, 0])[inside].sum()
+    assert line["angular-momentum-z"] == pytest.approx(spin, rel=1e-12)
+
+
+def test_parts_of_a_mesh_are_as_of_a_box(tmp_path):
+    """A square of lines is as the box; weights of a slanted one's parts are never negative."""
+    path, found = tmp_path / "square.obj", []
+    places = [(1.37, 1.21), (5.37, 1.21), (5.37, 5.21), (1.37, 5.21)]
+    path.write_text("\n".join([*(f"v {x} {y} 0" for x, y in places), "l 1 2 3 4 1", ""]))
+    for turn in ({}, {"rotate": 30.0, "translate": [3.0, 0.0]}):
+        found.append(start(scene(2, exact({"mesh": {"file": str(path)} | turn}), cells=[9, 9])))
+    (square, slanted), box = found, start(block((1.37, 1.21)))
+    for a, b in zip(box.particles, square.particles, strict=True):
+        np.testing.assert_allclose(b[square.live()], a[box.live()], atol=1e-12)
+    assert next(corners(slanted)).min() > -1e-12
+
+
 def thin(step):
     """A plate of a quarter of a cell, just across a plane of vertices."""
     region = {"box": {"min": [1.3, 2.97], "max": [6.4, 3.25]}}
@@ -220,17 +342,42 @@ def test_thin_bodies_keep_their_vertices():
         start(thin({"courant": 0.5}))
 
 
+@pytest.mark.parametrize("face", ["fixed", "slip"])
+def test_a_body_that_hardly_reaches_into_the_cell_beside_a_face_is_not_held(face):
+    """It falls as without the face, at a usual Courant number."""
+    body = exact({"box": {"min": [1.0, 1.02], "max": [8.03, 5.03]}})
+    found = []
+    for boundaries in ({}, {"x-max": face}):
+        case = scene(2, body, cells=[9, 9], end=0.5, step={"courant": 0.3}, gravity=[0.0, -1.0])
+        sim = finish(start(case | {"boundaries": boundaries}))
+        assert not len(sim.rank.slaves.free)
+        found.append(sim.particles.v[sim.live()])
+    np.testing.assert_allclose(found[1], found[0], atol=1e-12)
+    np.testing.assert_allclose(found[0][:, 1], -0.5, rtol=1e-9)
+
+
+def test_what_a_face_holds_does_not_count_for_the_step():
+    """A plate that hardly reaches a cell's corner, whose light vertices a face holds."""
+    region = {"box": {"min": [0.0, 2.97], "max": [0.98, 3.25]}}
+    case = scene(2, exact(region), step={"courant": 0.1}, end=0.1)
+    loose = start(case).rank.slaves.courant
+    held = start(case | {"boundaries": {"x-min": "fixed"}}).rank.slaves.courant
+    assert loose < held
+
+
 def test_a_thin_ring_is_stable_up_to_what_its_vertices_bear():
     """Masters of slaves on both sides lose mass to them: .57 of a cell thick, refused at .65."""
     balls = [{"ball": {"centre": [9.0, 9.0], "radius": radius}} for radius in (8.0, 7.43)]
     turn = {"velocity": {"rotation": {"about": [9.0, 9.0], "rate": 0.01}}}
 
-    def ring(courant):
-        body = exact({"difference": balls}, **turn)
+    def ring(courant, **more):
+        body = exact({"difference": balls}, **turn, **more)
         return scene(2, body, cells=[18, 18], end=40.0, step={"courant": courant})
 
     with pytest.raises(CaseError, match=r"stable up to the Courant number 0\.5\d; .* has 0\.65"):
         start(ring(0.65))
+    with pytest.raises(CaseError, match=r"stable up to the Courant number 0\.4\d; .* has 0\.5"):
+        start(ring(0.5, mass="averaged"))
     sim = start(ring(0.5))
     first = sim.diagnostics()["kinetic-energy"]
     finish(sim)

@@ -106,8 +106,7 @@ SCENES = (
         Exclusion(f.exact_surface, feature, f"{why}:", "take surface: cut")
         for feature, why in (
             (f.beyond_cells, "is for particles that are points or boxes in cells, not {b.name}"),
-            (f.points, "is for bodies on the lattice, but '{b.name}' comes from a file"),
-            (f.averaged, "does not know the averaged mass yet"),
+            (f.points, "needs a surface, and '{b.name}', of particles from a file, has none"),
         )
     ),
     # Periodic faces.

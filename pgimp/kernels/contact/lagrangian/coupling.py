@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.jit.kernel import inner_kernel, is_record, kernel
 from pgimp.jit.vectors.rows import load_row, store_row
 from pgimp.jit.vectors.simd import lane, vector, where
 from pgimp.kernels.contact.lagrangian.hash_table import find
@@ -26,12 +26,14 @@ from pgimp.kernels.contact.lagrangian.reference_grid import (
 )
 from pgimp.kernels.contact.lagrangian.reference_numbers import (
     WIDE,
+    add_part,
     add_particle,
     by_axis,
     by_direction,
+    fold_row,
 )
 from pgimp.kernels.contact.lagrangian.supports import from_centroid
-from pgimp.kernels.contact.lagrangian.vertices import number_of
+from pgimp.kernels.contact.lagrangian.vertices import EXACT, number_of
 from pgimp.kernels.data.particles import FloatArray, IntArray
 
 #: Least part of the squares of a row of B at free vertices. Below it the few free vertices would
@@ -190,9 +192,9 @@ def find_coupling(frame, particles, initial, mirrors, slots, contact_vertices, s
     Parameters
     ----------
     particles : (NEAR_PARTICLE, NEAR_MOTION), each (n,)
-    initial : (ReferenceSupports, (slots, 2) int64, (k,) int64, int)
+    initial : (ReferenceSupports, (slots, 2) int64, (k,) int64, int, Parts or ())
         The particles' supports at their initial positions; hash table and keys of the reference
-        vertices; number of velocity fields.
+        vertices; number of velocity fields; parts of cells and slaves.
     mirrors
         See `number_reference_vertices`.
     slots : (rows,) int64
@@ -213,7 +215,7 @@ def find_coupling(frame, particles, initial, mirrors, slots, contact_vertices, s
     (table, motion), supports = particles, initial[0]
     numbers, seen, left, box = scratch
     sums, reached, start = contact_vertices.sums, contact_vertices.reached, coupling.start
-    used, most, bits = 0, WIDE**3, key_bits(frame, initial[3])
+    used, most, bits, parts = 0, WIDE**3, key_bits(frame, initial[3]), initial[4]
     seen[0, :] = -1
     start[0] = 0
     for r in range(len(slots)):
@@ -249,9 +251,15 @@ def find_coupling(frame, particles, initial, mirrors, slots, contact_vertices, s
                     others += 1
                     continue
                 part = table[i].mass * reached.weight[k] * inverse
-                way = from_centroid(frame, table[i], _way(frame, motion[i], vertex))
-                way = by_axis(frame, way)
-                add_particle(box, supports, i, low, part, way)
+                way = _way(frame, motion[i], vertex)
+                if is_record(parts) and table[i].lagrangian == EXACT:
+                    way = by_axis(frame, way)
+                    add_part(box, supports, i, low, part, way, parts.parts)
+                elif is_record(parts):  # beside them particles have the weights of points
+                    add_particle(box, supports, i, low, part, by_axis(frame, way))
+                else:
+                    way = by_axis(frame, from_centroid(frame, table[i], way))
+                    add_particle(box, supports, i, low, part, way)
                 first, many = supports.first[i], supports.many[i]
                 begin = tuple(min(begin[d], first[d]) for d in range(3))
                 end = tuple(max(end[d], first[d] + many[d]) for d in range(3))
@@ -262,6 +270,10 @@ def find_coupling(frame, particles, initial, mirrors, slots, contact_vertices, s
                 frame, references, mirrors, r, (box, low, begin, end), used, seen, coupling
             )
             waiting = others
+        if is_record(parts):
+            if used + (used - start[r]) * parts.of.shape[1] > len(coupling.column):
+                return 2 * len(coupling.column) + most
+            used = fold_row(parts, r, used, seen, coupling)
         start[r + 1] = used
         set_answer(coupling, r, numbers)
     return used

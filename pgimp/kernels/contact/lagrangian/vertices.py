@@ -27,7 +27,8 @@ from pgimp.kernels.transfer.first_vertex import deformation
 from pgimp.physics.shapes.base import size
 
 #: A particle near contact: position of its weights, mass, curvature's share of the gap. Whether it
-#: is cut; its body, group and field; whether it has reference weights. Half-widths in cells.
+#: is cut; its body, group and field; whether it has reference weights, or `EXACT` those of its part
+#: of a cell. Half-widths in cells.
 NEAR_PARTICLE = structure(
     ("weight_position", "f8", 3),
     ("mass", "f8"),
@@ -39,6 +40,9 @@ NEAR_PARTICLE = structure(
     ("lagrangian", "i8"),
     ("half_width", "f8", 3),
 )
+
+#: Of a particle of a body that is exact to its surface.
+EXACT = 2
 
 #: What changes of it in a step: position, volume, vector to the centroid of its remaining part,
 #: inverse of the deformation gradient.

@@ -33,11 +33,11 @@ class Surface(NamedTuple):
     middle: FloatArray
     half: FloatArray
     area: FloatArray  #: (n,) float64.
-    whole: FloatArray  #: (n,) float64: Areas of their patches.
     patch: IntArray  #: (n,) int64.
     body: IntArray  #: (n,) int64: Bodies; rigid ones come after the others.
     cell: IntArray  #: (n,) int64: Numbers in `SurfaceCells`; -1 on rigid bodies.
     place: FloatArray  #: (n, 3) float64: Places in the cells, in cells from their first vertices.
+    tip: NDArray[np.uint8]  #: (n,): 1 beside a sharp edge, where both bodies' facets look.
     #: start, beside: (n + 1,) and (k,) int64: Neighbours of each facet.
     start: IntArray
     beside: IntArray

@@ -18,6 +18,9 @@ MEETS, OPPOSED, ASKEW = 0.3, -0.5, 4.0
 #: Cells by which facets of one body are apart in the initial state if they may meet.
 APART = 2.0
 
+#: Greatest cosine between normals of facets with a gap: others are beside an edge.
+FACES = -0.1
+
 #: Weight of the distance along a facet, so that one of several in a plane is next to a point.
 _ALONG = 1e-6
 
@@ -26,11 +29,14 @@ _WIDE = 1.25
 
 #: Cells by which a point may lie beside a facet's part of a box, and the same over its distance, of
 #: points before the facet and behind it: what is deep beside an edge is not in the body.
-_BESIDE, _BESIDE_BEFORE, _BESIDE_BEHIND = 1e-3, 0.5, 0.1
+_BESIDE, _BESIDE_BEFORE, _BESIDE_BEHIND = 1e-3, 0.5, 0.15
 
 #: Depth in cells beyond which a point is not in a surface, but in what is behind, and cells within
 #: which facets are next to each other.
 DEEPEST, FARTHEST = 0.25, 0.5
+
+#: Depth in cells beyond which a point has to be behind the facets round an edge as well.
+_EDGE = 0.01
 
 #: Iterations for the place in a cell, at most, and the change in cells that ends them: the next one
 #: is its square.
@@ -171,6 +177,25 @@ def _find_gap(frame, rigid_bodies, surface, cells, scratch, near):
     most = _BESIDE * least + max(_BESIDE_BEFORE * phi, -_BESIDE_BEHIND * phi)
     if not (close and beside <= most and -DEEPEST * least <= near.gap < inf):
         near.gap = inf
+    elif near.gap < -_EDGE * least and _before_another(D, frame, cells, surface, c, near):
+        near.gap = inf
+
+
+@inner_kernel
+def _before_another(D, frame, cells, surface, c, near):
+    """Whether a place behind a facet is before another one beside it, round a convex edge."""
+    f = near.other
+    for k in range(surface.start[f], surface.start[f + 1]):
+        m = surface.beside[k]
+        alike, away, convex = 0.0, 0.0, 0.0
+        for d in range(D):
+            n = surface.normal[m, d]
+            alike += n * surface.normal[f, d]
+            away += (_own(frame, cells, c, near, d) - surface.x[m, d]) * n
+            convex += (surface.x[f, d] - surface.x[m, d]) * n
+        if alike < 0.5 and convex < 0.0 and away > 0.0:
+            return True
+    return False
 
 
 @inner_kernel
@@ -209,13 +234,18 @@ def find_gaps(frame, rigid_bodies, walls, surface, cells, u, scratch, far, every
             near.gap = (at - surface.now[s, axis]) * side
             for d in range(3):
                 near.normal[d] = -1.0 * side if d == axis else 0.0
-            continue
-        near.other = next_facet(D, surface, s, frame.cell[0], near.other)
-        if _square(D, surface, s, frame.cell[0], near.other) > far * far:
+        else:
+            near.other = next_facet(D, surface, s, frame.cell[0], near.other)
+            if _square(D, surface, s, frame.cell[0], near.other) > far * far:
+                near.gap = inf
+                continue
+            c = surface.cell[near.other]
+            if c >= 0 and c != last:
+                set_polynomial(D, cells, c, u, scratch[1])
+                last = c
+            _find_gap(frame, rigid_bodies, surface, cells, scratch, near)
+        same = 0.0
+        for d in range(3):
+            same += surface.turned[s, d] * near.normal[d]
+        if same > FACES:
             near.gap = inf
-            continue
-        c = surface.cell[near.other]
-        if c >= 0 and c != last:
-            set_polynomial(D, cells, c, u, scratch[1])
-            last = c
-        _find_gap(frame, rigid_bodies, surface, cells, scratch, near)

@@ -4,10 +4,10 @@ The gap G of a patch is a smooth least one of its facets' gaps g_k, the level s 
 
     sum_k A_k max(0, s - g_k)^2 = A d^2,   G = s - d,
 
-with the facets' areas A_k, the patch's area A and a small length d: the gap itself where a patch
-and what it meets are parallel. Its derivatives are weights, W_k ~ A_k max(0, s - g_k), which add up
-to 1. So the constraint G >= 0 acts where the patch touches, and neither takes nor gives energy: it
-is holonomic. The velocity at the patch is the mean
+with the facets' areas A_k, a small length d, and the area A of those that face the other body: the
+gap itself where a patch and what it meets are parallel. Its derivatives are weights, W_k ~ A_k
+max(0, s - g_k), which add up to 1. So the constraint G >= 0 acts where the patch touches, and
+neither takes nor gives energy: it is holonomic. The velocity at the patch is the mean
 
     w = sum_k W_k sum_j N_j(X_k) v_j.
 
@@ -28,10 +28,14 @@ from pgimp.kernels.rigid.bodies import arm_of
 from pgimp.physics.contact.base import TIED
 
 #: The length d in cells.
-FADES = 0.005
+FADES = 0.002
 
 #: Iterations for the level, at most, and the change over d that ends them.
 _NEWTON, _EXACT = 40, 1e-12
+
+#: Power of the cosine between a facet and what it meets in the area A, so that edges between two
+#: faces of a body do not count there; least A, in areas of the patch.
+_FACING, _LEAST = 8, 0.03
 
 #: Cells of gap above which a patch has no pair. Over the greatest distance of a vertex in the step
 #: the gap above which it has none either, and cells of gap at which it always has one.
@@ -86,12 +90,26 @@ def _find_sides(surface, every, first, last, near):
 
 
 @inner_kernel
+def _faces(surface, near):
+    """Part of a facet that faces the other body: 1 if parallel, little where it is askew."""
+    cosine = 0.0
+    for d in range(3):
+        cosine -= surface.turned[near.facet, d] * near.normal[d]
+    return max(cosine, 0.0) ** _FACING
+
+
+@inner_kernel
 def _level(surface, every, first, last, side, least, width):
     """Level of a patch above the least gap, by Newton's method from above."""
-    near, whole = inf, surface.whole[every[first].facet]
+    near, whole, most = inf, 0.0, 0.0
     for n in range(first, last):
-        if every[n].side == side and every[n].gap == least:
-            near = min(near, surface.area[every[n].facet])
+        area = surface.area[every[n].facet]
+        most += area
+        if every[n].side == side:
+            whole += area * _faces(surface, every[n])
+            if every[n].gap == least:
+                near = min(near, area)
+    whole = max(whole, _LEAST * most)
     s = least + width * sqrt(whole / near)
     for _ in range(_NEWTON):
         value, slope = -whole * width * width, 0.0

@@ -7,6 +7,9 @@ from pgimp.kernels.contact.surfaces.gaps import apart, reluctance
 from pgimp.kernels.data.motion import DISPLACEMENT
 from pgimp.kernels.data.record import RECORD
 
+#: Cosine between normals below which facets at tips leave it to the other body's to look.
+STEEP = -0.8
+
 
 @inner_kernel
 def _first(keys, key):
@@ -122,9 +125,12 @@ def mark_between(surface, clusters, meeting, reach, marks):
 
 @inner_kernel
 def _looks(surface, acts, cell, s, f):
-    """Whether facet `s` looks for facet `f`: of another body, or far from it on its own."""
+    """Whether facet `s` looks for facet `f`: of another body, or far from it on its own.
+
+    Of two bodies the second one's facets do so at its tips, which the first one's may not see.
+    """
     a, b = surface.body[s], surface.body[f]
-    if acts[a, b] == 0:
+    if acts[a, b] == 0 and (acts[b, a] == 0 or surface.tip[s] == 0):
         return False
     return a != b or apart(surface, s, f, cell)
 
@@ -181,6 +187,8 @@ def find_meeting(surface, acts, some, bins, strides, reach, marks, best, every):
                     continue
                 marks[f] = marks[s] = 1
                 square, b = square + reluctance(same, reach[1]), surface.body[f]
+                if same < STEEP and acts[surface.body[s], b] == 0:
+                    continue
                 if not square < inf:
                     continue
                 if least[b] == inf:

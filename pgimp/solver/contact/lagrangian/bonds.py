@@ -50,27 +50,34 @@ def separating_walls(scene: Scene) -> SeparatingWalls:
 
 
 def bonded(
-    pairs: Pairs, low: np.ndarray, high: np.ndarray, reach: np.ndarray, lagrangian: np.ndarray
+    pairs: Pairs,
+    low: np.ndarray,
+    high: np.ndarray,
+    reach: np.ndarray,
+    lagrangian: np.ndarray,
+    beyond: float = 0.0,
 ) -> tuple[tuple[int, ...], np.ndarray]:
     """Fields and groups of bodies by their initial boxes, in cells.
 
     Bodies under the law `tied` with common vertices there are one group. Others with common
-    vertices have different fields, as few as possible. Bodies in the current configuration (not
-    `lagrangian`) move over the grid: tied ones are one group, and each group has its own field.
+    vertices have different fields, as few as possible; so have those up to `beyond` cells farther
+    apart, where a vertex may be the slave of a cell some cells away. Bodies in the current
+    configuration (not `lagrangian`) move over the grid: tied ones are one group, and each group has
+    its own field.
 
     `colour_bodies` colours single bodies, whose boxes move, and finds the steps for which that
     holds. Groups keep their vertices and fields until the next stage, and are no boxes: one may
     surround a body that it does not touch.
     """
     n = len(low)
-    near = close_pairs(low, high, reach + 2e-6)
+    near = close_pairs(low, high, reach + beyond + 2e-6)
     apart = np.full(len(near), -np.inf)
     for d in range(low.shape[1]):
         for one, other in (near.T, near.T[::-1]):
             np.maximum(apart, low[one, d] - high[other, d] - reach[d], out=apart)
-    near = near[apart < 1e-6]
+    near, apart = near[apart < beyond + 1e-6], apart[apart < beyond + 1e-6]
     group = np.arange(n)
-    for a, b in _tied(pairs, near, lagrangian).tolist():
+    for a, b in _tied(pairs, near[apart < 1e-6], lagrangian).tolist():
         if group[a] != group[b]:
             group[group == group[b]] = group[a]
     _, group = np.unique(group, return_inverse=True)

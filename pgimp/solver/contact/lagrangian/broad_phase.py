@@ -48,7 +48,9 @@ def reach(scene: Scene, largest: bool = False) -> np.ndarray:
 
     Initially, or for a particle as `largest` as it can become.
     """
-    half = np.array(scene.settings.shape.half)
+    half = np.array(scene.settings.uncut.half)
+    if scene.settings.exact_surfaces.any():  # from the centroid of a part of a box
+        half = 2.0 * half
     return 1.0 + (np.maximum(half, LARGEST) if largest else half)
 
 

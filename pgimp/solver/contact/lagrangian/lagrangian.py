@@ -36,6 +36,7 @@ from pgimp.solver.contact.lagrangian.near_particles import Near, NearParticles
 from pgimp.solver.contact.lagrangian.selected import Selection, flat
 from pgimp.solver.contact.lagrangian.selection import Selector
 from pgimp.solver.contact.lagrangian.warm_start import WarmStart
+from pgimp.solver.lagrangian.masters import REACH as MASTERS_AWAY
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import VertexUpdate
@@ -133,8 +134,9 @@ class LagrangianContact(NoContact):
         every = np.array(self.comm.allgather(boxes))
         low, high = every[:, 0].min(axis=0), every[:, 1].max(axis=0)
         distance = 2.0 * reach(scene)
+        exact = bool(scene.settings.exact_surfaces.any())
         self.fields, self.groups = bonded(
-            self.pairs, low, high, distance, scene.settings.lagrangian
+            self.pairs, low, high, distance, scene.settings.lagrangian, exact * MASTERS_AWAY
         )
         self._selector.groups = self.groups
         self._selector.acts = interactions(
@@ -184,7 +186,7 @@ class LagrangianContact(NoContact):
         lasts = needed(selection is not None) and self._selector.lasts(rank.grid, travel)
         if selection is None or not lasts:
             near, speeds = self._broad_phase.near, (self._broad_phase.travel, rigid_speed)
-            selection = self._selector.select(rank.grid, rank.population, near, speeds, looked)
+            selection = self._selector.select(rank, near, speeds, looked)
             self._selection = selection
         return selection
 
@@ -281,8 +283,8 @@ class LagrangianContact(NoContact):
             ),
             lambda found: call(
                 find_coupling, self.scene.domain.frame, (selection.table, near.motion),
-                (selection.initial, selection.hashes, selection.keys, fields), mirrors,
-                slots[:rows], contact_vertices, scratch, found,
+                (selection.initial, selection.hashes, selection.keys, fields, selection.parts),
+                mirrors, slots[:rows], contact_vertices, scratch, found,
             ),
         )  # fmt: skip
         return coupling._replace(column=coupling.column[:entries], entry=coupling.entry[:entries])

@@ -24,6 +24,7 @@ from pgimp.kernels.rigid.bodies import AnyRigidBodies
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.lagrangian.messages import swap
+from pgimp.solver.contact.lagrangian.parts import move_to_boxes
 from pgimp.solver.contact.lagrangian.selected import Selection, flat, plain
 
 #: Numbers in a `NEAR_MOTION`.
@@ -51,7 +52,7 @@ class NearParticles:
 
     def __init__(self, scene: Scene, comm: Communicator, local: np.ndarray) -> None:
         self.scene, self.comm, self.call, self._local = scene, comm, Bound(), local
-        self._plain = plain(scene)
+        self._plain, self._exact = plain(scene), bool(scene.settings.exact_surfaces.any())
         self._kept: dict[str, np.ndarray] = {}
         self._place = b""
         self._supports: dict[str, Supports] = {}
@@ -78,6 +79,8 @@ class NearParticles:
         rows = population.order[given.offsets].astype(np.int64)
         motion = self._storage("motion", len(rows), NEAR_MOTION)
         call(copy_near_motion, self._plain, population.columns, rows, motion)
+        if self._exact:
+            move_to_boxes(self.scene, population.columns, rows, motion)
         values = self._storage("values", len(given.keys), REFERENCE_VERTEX)
         call(read_reference_vertices, holding, field, given.keys, values)
         if self.comm.size > 1:
@@ -92,21 +95,21 @@ class NearParticles:
         """Supports of particles at their current positions; they hold until the next ones."""
         supports = self._room(len(motion), "current")
         x = motion.view(np.float64).reshape(len(motion), MOTION)  # begins with the position
-        shape, frame = self.scene.settings.shape, self.scene.domain.frame
+        shape, frame = self.scene.settings.uncut, self.scene.domain.frame
         self.call(find_supports, shape, frame, selection.half_width, x, supports)
         return supports
 
     def left(self, near: Near) -> tuple[Supports, float]:
         """Supports for the sums of volumes, and whether their gradient counts."""
         table = near.selection.table
-        if not isinstance(self.scene.settings.shape, BOXES):
+        if not isinstance(self.scene.settings.uncut, BOXES):
             return near.now, 1.0
         if not needed(near.selection.cut):
             return near.now, 0.0
         left, scene = self._room(len(table), "left"), self.scene
         self.call(
             narrow_supports,
-            scene.settings.shape,
+            scene.settings.uncut,
             scene.domain.frame,
             table,
             near.motion,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -40,6 +40,7 @@ class Selection(NamedTuple):
     #: particles, vertices: (ranks,) int64: How many particles and vertices each rank sends.
     particles: np.ndarray
     vertices: np.ndarray
+    parts: Any = ()  #: Parts or (): Of bodies that are exact to their surface.
 
 
 def flat(values: np.ndarray) -> np.ndarray:
@@ -48,8 +49,9 @@ def flat(values: np.ndarray) -> np.ndarray:
 
 
 def plain(scene: Scene) -> KernelScene:
-    """Kernel scene with current positions, without materials."""
-    return scene.setting.without_materials()._replace(frame=scene.domain.frame)
+    """Kernel scene with current positions and whole particles, without materials."""
+    frame, shape = scene.domain.frame, scene.settings.uncut
+    return scene.setting.without_materials()._replace(frame=frame, shape=shape)
 
 
 def mirrors_of(scene: Scene) -> np.ndarray:

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from pgimp.decomposition.grid import Grid
-from pgimp.decomposition.population import Population
 from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.lagrangian.candidates import Patches, find_candidates, find_reach
@@ -15,6 +14,7 @@ from pgimp.kernels.contact.lagrangian.filled import bound_filled, keep_possible
 from pgimp.kernels.contact.lagrangian.hash_table import table_size
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
 from pgimp.kernels.contact.lagrangian.reference_numbers import (
+    PART,
     References,
     ReferenceSupports,
     find_reference_supports,
@@ -39,8 +39,10 @@ from pgimp.kernels.rigid.bodies import AnyRigidBodies
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.lagrangian.messages import greatest, swap, swap_parts
+from pgimp.solver.contact.lagrangian.parts import SlaveKeys, move_to_boxes, parts_near
 from pgimp.solver.contact.lagrangian.selected import Given, Selection, mirrors_of, plain
 from pgimp.solver.contact.lagrangian.shares import FAR, divide, undivided
+from pgimp.solver.rank_state import RankState
 
 #: Least and greatest slack, in cells, of particles and rigid bodies until the next selection; the
 #: steps at the greatest speed for which it should last.
@@ -89,10 +91,11 @@ class Selector:
         self._rigid_bodies, self._walls = rigid_bodies, walls
         self.groups, self.fields = np.zeros((2, len(scene.body_names)), np.int64)
         self.mirrors = mirrors_of(scene)
-        self.local = local_vertices(scene.settings.vertices, scene.dimension)
+        self.local = local_vertices(scene.settings.uncut.vertices(), scene.dimension)
+        self._initial = local_vertices(scene.settings.vertices, scene.dimension)
         self._shares, self.root = undivided(comm.size), 0
         self._slack = self._rigid_slack = self._travel = 0.0
-        self._table = np.empty(0, NEAR_PARTICLE)
+        self._table, self._parts = np.empty(0, NEAR_PARTICLE), np.empty((0, PART))
         self._window: Any = None
         self._tracked = Tracked.empty()
 
@@ -112,17 +115,14 @@ class Selector:
         return greatest(self.comm, most) <= self._slack
 
     def select(
-        self,
-        grid: Grid,
-        population: Population,
-        near: np.ndarray,
-        speeds: tuple[float, float],
-        looked: bool,
+        self, rank: RankState, near: np.ndarray, speeds: tuple[float, float], looked: bool
     ) -> Selection:
         """Find the candidate vertices, and the particles within their reach; collective.
 
         Parameters
         ----------
+        rank : RankState
+            This rank.
         near : (n,) int64
             Offsets in the canonical order of particles near contact.
         speeds : (float, float)
@@ -130,7 +130,9 @@ class Selector:
         looked : bool
             Whether these are other particles than in the last selection.
         """
-        scene, call, comm = self.scene, self.call, self.comm
+        scene, call, comm, grid, population = (
+            self.scene, self.call, self.comm, rank.grid, rank.population
+        )  # fmt: skip
         speed, rigid_speed = speeds
         slack, rigid = (
             min(MAX_SLACK, SLACK_STEPS * speed),
@@ -147,17 +149,22 @@ class Selector:
         particles = population.columns
         bodies = self.groups, self.fields, scene.settings.lagrangian
         call(copy_near_motion, self._plain, particles, rows, motion)
+        slaves = SlaveKeys(rank, 1 + int(self.fields.max())) if rank.slaves else None
+        if slaves:
+            move_to_boxes(scene, particles, rows, motion)
         if anew:
             self._table = np.empty(len(rows), NEAR_PARTICLE)
             call(copy_near_particles, self._plain, particles, rows, *bodies, self._table)
+            if slaves:
+                self._parts = parts_near(scene, particles, rows, self._table)
             self._tracked = call(
                 track, self._frame, grid.field, self._table, self.local, self.mirrors
             )
         if needed(not anew):
             call(track_on, grid.field, self._tracked)
-        table = self._table
+        table, pieces = self._table, self._parts
         if comm.size == 1:
-            rows, chosen, _ = self._choose(table, motion)
+            rows, chosen, _ = self._choose(table, motion, pieces, slaves)
             mine, none = near[rows], np.empty(0, np.int64)
             return chosen._replace(given=Given(mine, mine, chosen.keys, none, none))
         first, last = self._ranges(table, motion)
@@ -165,16 +172,21 @@ class Selector:
             first_layer = grid.slab.layers and grid.slab.lower is None
             self.root = -int(greatest(comm, -comm.rank if first_layer else -comm.size))
             most = np.array(scene.domain.frame.cells) + 2 * scene.domain.frame.ghost + 1
-            self._shares = divide(comm, first, scene.settings.vertices, most)
-        parts = [self._shares.reached(first, last, rank) for rank in range(comm.size)]
+            self._shares = divide(comm, first, scene.settings.uncut.vertices(), most)
+        parts = [self._shares.reached(first, last, r) for r in range(comm.size)]
         table, sent, received = swap_parts(comm, [table[part] for part in parts])
         motion = swap(comm, np.concatenate([motion[part] for part in parts]), sent, received)
-        return self._agree([near[part] for part in parts], received, *self._choose(table, motion))
+        if slaves:
+            pieces = swap(comm, np.concatenate([pieces[part] for part in parts]), sent, received)
+        kept, chosen, found = self._choose(table, motion, pieces, slaves)
+        owners = slaves.owners(grid, comm, found.keys) if slaves else None
+        return self._agree([near[part] for part in parts], received, owners, kept, chosen, found)
 
     def _agree(
         self,
         near: list[np.ndarray],
         received: np.ndarray,
+        owners: np.ndarray | None,
         kept: np.ndarray,
         chosen: Selection,
         found: References,
@@ -186,6 +198,10 @@ class Selector:
         sources = np.arange(self.comm.size)
         offsets, counted, asked = swap_parts(self.comm, [back[source == r] for r in sources])
         of_key = source[found.particle]  # ascending
+        if owners is not None:  # of masters, which no particle has
+            of_key = np.where(found.particle < 0, owners, of_key)
+            order = np.argsort(of_key, kind="stable")
+            chosen = chosen._replace(order=np.argsort(found.keys[order]))
         parts = [found.keys[of_key == r] for r in sources]
         wanted, vertices, asked_vertices = swap_parts(self.comm, parts)
         pieces = np.split(offsets, np.cumsum(asked)[:-1])
@@ -201,11 +217,11 @@ class Selector:
         first, last = np.zeros((2, len(table), 3))
         first[:, :D] = np.floor(at - away) + frame.ghost
         last[:, :D] = np.floor(at - table["half_width"][:, :D] + self._slack + 1e-6)
-        last[:, :D] += frame.ghost + self.scene.settings.vertices - 1
+        last[:, :D] += frame.ghost + self.scene.settings.uncut.vertices() - 1
         return first, last
 
     def _choose(
-        self, table: np.ndarray, motion: np.ndarray
+        self, table: np.ndarray, motion: np.ndarray, parts: np.ndarray, slaves: SlaveKeys | None
     ) -> tuple[np.ndarray, Selection, References]:
         """Particles within reach of candidate vertices in this rank's share.
 
@@ -213,7 +229,7 @@ class Selector:
         vertices in the order in which the particles have them.
         """
         scene, call = self.scene, self.call
-        frame, slack, vertices = scene.domain.frame, self._slack, scene.settings.vertices
+        frame, slack, vertices = scene.domain.frame, self._slack, scene.settings.uncut.vertices()
         groups, none = 1 + int(self.groups.max()), np.empty(0, np.int64)
         low, extent = np.zeros(3, np.int64), np.ones(3, np.int64)
         bodies = len(scene.interaction.rigid_bodies)
@@ -243,13 +259,18 @@ class Selector:
             fills=np.zeros((len(order), bodies), RIGID_FILL),
         )
         table = table[reach.rows]
-        start = Supports.empty(len(table), self.local, scene.case.axisymmetric)
+        start = Supports.empty(len(table), self._initial, scene.case.axisymmetric and not slaves)
         fields = 1 + int(self.fields.max())
         half, x = (np.ascontiguousarray(table[name]) for name in ("half_width", "weight_position"))
-        call(find_supports, scene.settings.shape, self._frame, half, x, start)
+        own = np.zeros_like(half) if slaves else half
+        # Those of rings are about their mass's centroid, as in the plane.
+        initial_frame = InitialFrame(*scene.domain.frame) if slaves else self._frame
+        call(find_supports, scene.settings.shape, initial_frame, own, x, start)
         initial = ReferenceSupports.empty(len(table))
         call(find_reference_supports, frame, start, initial)
         found = call(number_reference_vertices, frame, table, start, self.mirrors, fields)
+        if slaves:
+            found = slaves.with_masters(found)
         order = np.argsort(found.keys)
         nothing = Given(none, none, none, none, none)
         cut = bool(table["cut"].any())
@@ -257,8 +278,9 @@ class Selector:
         hashes = np.full((table_size(len(keys)), 2), -1, np.int64)
         call(keep_numbers, keys, hashes)
         chosen = Selection(
-            nothing, table, half, cut, contact_vertices, initial, hashes, keys, order, none, none
-        )
+            nothing, table, half, cut, contact_vertices, initial, hashes, keys, order, none, none,
+            slaves.parts(parts[reach.rows], keys) if slaves else (),
+        )  # fmt: skip
         return reach.rows, chosen, found
 
     def _possible(
@@ -272,12 +294,19 @@ class Selector:
         """Entries of vertices where there may be contact, in the order of their keys."""
         order, scene = np.argsort(patches.keys), self.scene
         # Bounds are of boxes in the plane.
-        if scene.case.axisymmetric or not isinstance(scene.settings.shape, BOXES):
+        if scene.case.axisymmetric or not isinstance(scene.settings.uncut, BOXES):
             return order
         most, kept = np.empty(len(order)), np.empty(len(order), bool)
         frame, keys = scene.domain.frame, patches.keys[order]
         self.call(
-            bound_filled, frame, table, motion, self._slack, scene.settings.vertices, patches, most
+            bound_filled,
+            frame,
+            table,
+            motion,
+            self._slack,
+            scene.settings.uncut.vertices(),
+            patches,
+            most,
         )
         self.call(
             keep_possible,

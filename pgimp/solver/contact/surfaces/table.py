@@ -24,6 +24,9 @@ from pgimp.solver.rank_state import RankState
 #: Cells along a side of a cluster of facets.
 WIDE = 4
 
+#: Greatest cosine between normals at a sharp edge.
+SHARP = 0.3
+
 #: Greatest distance of neighbouring facets, in cells, by dimensions.
 _BESIDE = (1.0, 0.3, 0.4)
 
@@ -58,12 +61,12 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     D, cell = scene.dimension, np.array(frame.cell)
     origin = np.array(frame.origin)
     every = [*_bodies(scene), *_rigid_bodies(scene)]
+    # What lies on a wall that lets go meets it.
+    letting = {(face.axis, face.side) for face in scene.domain.faces if face.condition.approaches}
+    closed = [face for face in scene.interaction.loads.surfaces.closed if face not in letting]
     gone = [scene.body_names.index(name) for name in scene.case.staged.removed]
     here = [number for number in range(len(every)) if number not in gone]
-    found = [
-        facets_of(every[number], origin, cell, scene.interaction.loads.surfaces.closed)
-        for number in here
-    ]
+    found = [facets_of(every[number], origin, cell, closed) for number in here]
     body = np.repeat(here, [len(each.x) for each in found])
     facets = Facets.joined(found)
     soft = body < len(scene.body_names)
@@ -74,9 +77,8 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     place[soft, :D] = (facets.x[soft, :D] - cells.low[of, :D]) / cell
     start, beside = _beside(facets.x, body, float(cell.max()) * _BESIDE[D - 1], D)
     surface = Surface(
-        facets.x, facets.normal, facets.middle, facets.half, facets.area,
-        np.asarray(np.bincount(facets.patch, facets.area), float)[facets.patch], facets.patch,
-        body, index, place, start, beside,
+        facets.x, facets.normal, facets.middle, facets.half, facets.area, facets.patch, body,
+        index, place, _tips(facets, start, beside), start, beside,
         np.full((len(body), 3), np.inf), np.zeros((len(body), 3)),
     )  # fmt: skip
     keys = np.empty(len(numbers), np.int64)
@@ -208,6 +210,16 @@ def records_of(rank: RankState, numbers: np.ndarray) -> np.ndarray:
     stride = [s // RECORD for s in grid.window.stride]
     size = grid.window.extent[1] * grid.window.extent[2]
     return np.where(there, i * stride[0] + field * size + j * stride[1] + k * stride[2], -1)
+
+
+def _tips(facets: Facets, start: np.ndarray, beside: np.ndarray) -> np.ndarray:
+    """Mask of the facets beside a sharp edge: a neighbour's normal is nearly the opposite one."""
+    own = np.repeat(np.arange(len(facets.x)), np.diff(start))
+    alike = (facets.normal[own] * facets.normal[beside]).sum(axis=1)
+    behind = ((facets.x[beside] - facets.x[own]) * facets.normal[own]).sum(axis=1) < 0.0
+    found = np.zeros(len(facets.x), np.uint8)
+    found[own[(alike < SHARP) & behind]] = 1
+    return found
 
 
 def _beside(

@@ -4,7 +4,13 @@ from exact_cases import bar, ramp, ring
 from loaded_block import loaded
 
 from rank_scenes.arrivals import lifts, pours, streams
-from rank_scenes.averaged import averaged_contact, averaged_grip, averaged_lattice, averaged_layers
+from rank_scenes.averaged import (
+    averaged_contact,
+    averaged_grip,
+    averaged_lattice,
+    averaged_layers,
+    averaged_surfaces,
+)
 from rank_scenes.damped_bodies import damped, dug, heavy, pressed, quaking, settled, soaked
 from rank_scenes.entries import GRID, PAIR
 from rank_scenes.flights import (
@@ -21,6 +27,8 @@ from rank_scenes.flights import (
 from rank_scenes.gauged import GAUGED, gauged
 from rank_scenes.initial_bodies import (
     both_configurations,
+    exact_contact,
+    exact_means,
     exact_rings,
     exact_round,
     exact_surfaces,
@@ -86,6 +94,8 @@ SCENES = (
             flowing,
             initial,
             exact_surfaces,
+            exact_contact,
+            exact_means,
             exact_round,
             exact_rings,
             initial_stages,
@@ -97,6 +107,7 @@ SCENES = (
             averaged_contact,
             averaged_layers,
             averaged_grip,
+            averaged_surfaces,
             both_configurations,
             damped,
             settled,

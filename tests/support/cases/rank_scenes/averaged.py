@@ -1,7 +1,7 @@
 """Bodies with averaged mass, some beside others with lumped mass."""
 
 from rank_scenes.damped_bodies import damped
-from rank_scenes.initial_bodies import initial_contact, initial_lattice
+from rank_scenes.initial_bodies import exact_surfaces, initial_contact, initial_lattice
 from rank_scenes.periods import endless
 
 
@@ -32,4 +32,16 @@ def averaged_grip():
     """A beam beside bodies in the current configuration, damped, at a grip that a force moves."""
     case = damped()
     case["bodies"]["beam"]["mass"] = "averaged"
+    return case
+
+
+def averaged_surfaces():
+    """Bodies exact to their surface, both with slaves, and one with lumped mass beside them."""
+    case = exact_surfaces()
+    case["method"]["mass"] = "averaged"
+    bodies = case["bodies"]
+    bodies["bar"]["region"]["box"] = {"min": [0.0, 0.98], "max": [14.03, 3.02]}
+    bodies["chip"] = bodies["disk"] | {
+        "mass": "lumped", "region": {"box": {"min": [9.4, 5.2], "max": [11.02, 7.1]}}
+    }  # fmt: skip
     return case

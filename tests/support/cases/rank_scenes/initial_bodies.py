@@ -71,13 +71,28 @@ def exact_surfaces():
     )
 
 
+def exact_means():
+    """The same bodies with mean dilatation, and stresses recovered from neighbours."""
+    case = exact_surfaces()
+    case["method"]["volumetric"] = "mean"
+    case["output"]["fields"] = [*EVERYTHING, "recovered-stress"]
+    case["probes"] = {
+        name: {"body": body, "at": at, "fields": ["recovered-stress"], "every": {"steps": 10}}
+        for name, body, at in (("top", "bar", [7.3, 2.98]), ("side", "disk", [7.2, 5.4]))
+    }
+    return case
+
+
 def _within(cells, *regions):
     """The part of some regions in the domain."""
     return {"intersection": [{"union": regions}, {"box": {"min": [0.0, 0.0], "max": cells}}]}
 
 
 def exact_round():
-    """Bodies exact to their surface across seams, cut near them: a disk, and a bar with a grip."""
+    """Bodies exact to their surface across seams, cut near them: a disk, and a bar with a grip.
+
+    The disk has an averaged mass, as the ball of the rings.
+    """
     balls = [{"ball": {"centre": [x, y], "radius": 1.9}} for x in (0.3, 18.3) for y in (0.4, 9.4)]
     bars = [
         {"box": {"min": [low, 4.02], "max": [high, 5.97]}} for low, high in ((0, 2.6), (13.9, 18))
@@ -89,11 +104,13 @@ def exact_round():
         2,
         {
             "bar": {"material": "soft", "region": _within([18.0, 9.0], *bars)} | more,
-            "disk": {"material": "stiff", "region": _within([18.0, 9.0], *balls)} | more,
+            "disk": {"material": "stiff", "region": _within([18.0, 9.0], *balls)}
+            | more
+            | {"mass": "averaged"},
         },
         cells=[18, 9],
         shape="finite-gimp",
-        end=0.8,
+        end=1.6,
         step={"courant": 0.3},
         materials=PAIR,
         gravity=[0.0, -1.0],
@@ -116,11 +133,13 @@ def exact_rings():
     case = scene(
         2,
         {
-            "ball": {"material": "stiff", "region": _within([18.0, 9.0], *balls)} | more,
+            "ball": {"material": "stiff", "region": _within([18.0, 9.0], *balls)}
+            | more
+            | {"mass": "averaged"},
             "tube": {"material": "soft", "region": tube, "velocity": [0.0, 1.0]} | more,
         },
         cells=[18, 9],
-        end=0.8,
+        end=1.6,
         step={"courant": 0.3},
         materials=PAIR,
         gravity=[0.0, -1.0],
@@ -211,6 +230,28 @@ def initial_contact():
         output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},
         history={"every": {"steps": 10}},
     )
+
+
+def exact_contact():
+    """The same of bodies exact to their surface, cut anywhere, and one cut; a tie ends in a stage.
+
+    Beside one that is cut all meet at vertices.
+    """
+    case = initial_contact()
+    bodies = case["bodies"]
+    places = {
+        "lies": ([8.03, 0.0], [13.04, 1.97]),
+        "slides": ([8.55, 1.97], [10.52, 3.98]),
+        "glued": ([12.03, 1.97], [13.04, 3.5]),
+        "falls": ([17.1, 4.02], [19.46, 6.0]),
+    }
+    for name, (low, high) in places.items():
+        bodies[name]["region"] = {"box": {"min": low, "max": high}}
+    for name in ("flies", "lies", "slides", "glued"):
+        bodies[name]["surface"] = "exact"
+    friction = {"bodies": "all", "friction": 0.3}
+    case["time"]["stages"] = [{"name": "loose", "end": 1.4, "contact": [friction]}]
+    return case
 
 
 def surface_contact():

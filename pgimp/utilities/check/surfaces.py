@@ -1,0 +1,23 @@
+"""What the surfaces of bodies that are exact to them leave of a scene's vertices."""
+
+from __future__ import annotations
+
+from pgimp.case.schema import Case
+from pgimp.mpi.comm import Serial
+from pgimp.solver.simulation import Simulation
+
+#: Particles up to which a case is set up to look at its vertices.
+_MOST = 2_000_000
+
+
+def vertex_notes(case: Case, particles: int) -> list[str]:
+    """Notes of vertices that hold little and move by themselves, as a run has them.
+
+    Raises
+    ------
+    CaseError
+        If steps are too long for vertices near a surface.
+    """
+    if particles > _MOST or all(body.surface != "exact" for body in case.bodies.values()):
+        return []
+    return Simulation(case, Serial()).rank.slaves.notes()
