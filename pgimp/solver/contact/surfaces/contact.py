@@ -153,7 +153,7 @@ class SurfaceContact(LagrangianContact):
         every, scratch = proximity.candidates, proximity.scratch
         call(move_facets, frame, rigid, surface, cells, u, proximity.moving, scratch)
         far = proximity.far
-        call(find_gaps, frame, rigid, self._walls, surface, cells, u, scratch, far, every)
+        call(find_gaps, frame, rigid, self._walls, surface, (cells, u), scratch, far, every)
         most = len(every)
         pairs, seen = ContactPairs.empty(most), np.empty((2, len(near.keys)), np.int64)
         vertices, counts = (flat(values), seen, np.empty(2 ** len(frame.cell))), [0, 0]
@@ -161,8 +161,8 @@ class SurfaceContact(LagrangianContact):
 
         def fill(coupling: Coupling) -> int:
             counts[0], counts[1], used = call(
-                find_patch_pairs, self._contact, frame, surface, cells, every.copy(), dt, fastest,
-                vertices, pairs, coupling,
+                find_patch_pairs, self._contact, frame, surface, cells, every.copy(), (dt, fastest),
+                vertices, (pairs, coupling),
             )  # fmt: skip
             return int(used)
 

@@ -229,7 +229,7 @@ def test_a_sharp_wedge_is_stopped_whichever_body_comes_first(order, soft):
         {"point": tip.tolist(), "normal": [way * np.cos(half), -np.sin(half)]}
         for way in (-1.0, 1.0)
     ]
-    planes.append({"point": (tip + [0.0, 6.0]).tolist(), "normal": [0.0, 1.0]})
+    planes.append({"point": np.add(tip, [0.0, 6.0]).tolist(), "normal": [0.0, 1.0]})
     region = {"intersection": [{"half-space": plane} for plane in planes]}
     v, end = 0.02 * C, 2.0
     entries = {
