@@ -1,7 +1,7 @@
 """Measures contact of bodies by their own surfaces against exact results; see scripts/patches."""
 
 from studies.harness import Kept, options_of, origin, out, put, table
-from studies.patches import edges, hard, impacts, pressed, slopes
+from studies.patches import edges, fast, hard, impacts, pressed, slopes
 
 OFFSETS = ((0.0, 0.0), (0.5, 0.5), (0.25, 0.0), (0.13, 0.21), (0.37, 0.78))
 STILL, FRAMES = (0.0, 0.0), ((0.0, 0.0), (0.02, 0.0), (0.2, 0.05))
@@ -51,14 +51,16 @@ def blocks():
             least, most, rms = (f([each[n] for each in found]) for n, f in
                                 enumerate((min, max, max)))  # fmt: skip
             yield (f"blocks whose lattices differ, turned by {angle} degrees, {D}D: stress of all "
-                   "particles, and rms of its error", "1", f"{least:.3f} to {most:.3f}, {rms:.4f}")  # fmt: skip
+                   "particles, and rms of its error", "1",
+                   f"{least:.3f} to {most:.3f}, {rms:.4f}")  # fmt: skip
 
 
 def hertz():
     for R in (16, 32):
         found = pressed.line(R)
         yield (f"disk pressed on a plane, {found['half width']:.1f} cells in the half-width: "
-               "greatest pressure of a patch over Hertz's", "1", f"{found['greatest']:.3f}")  # fmt: skip
+               "greatest pressure of a patch over Hertz's", "1",
+               f"{found['greatest']:.3f}")  # fmt: skip
 
 
 def rolling():
@@ -86,7 +88,7 @@ def scenes():
         yield (f"a wedge of {angle:g} degrees hits a block, either first: depth, cells, and "
                "greatest energy", "0, 1", words)  # fmt: skip
     for shape in ("disk", "square"):
-        one = hard.fast(shape=shape)
+        one = fast.fast(shape=shape)
         yield (f"{shape}s meet at .3 of the speed of waves: depth, cells, and energy left", "0",
                f"{one['depth']:.3f}, {one['energy']:.3f}")  # fmt: skip
     for thick in (1.0, 2.0):
