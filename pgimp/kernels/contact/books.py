@@ -34,8 +34,12 @@ def losses_of(row, u, v):
 
 
 @inner_kernel
-def book(contact, holding, number, x, pair, part, last, ledger, plane):
-    """Book what a pair at a position has exchanged in a pass, times `part`, in `plane`."""
+def book(contact, holding, at, pair, part, last, ledger, plane):
+    """Book what a pair has exchanged in a pass, times `part`, in `plane`.
+
+    `at` has the numbers of its vertex, and its position.
+    """
+    number, x = at
     row, entry = contact.pair_states[pair], contact.ends[pair].law - 1
     a, b = fields_of(contact, pair)
     booked = ledger.contact[plane, entry]

@@ -93,7 +93,7 @@ def _apply_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
             number = vertex_number(contact, n)
             place = position_of(frame, number)
             for pair in range(pairs):
-                book(contact, holding, number, place, pair, part, last, ledger, i)
+                book(contact, holding, (number, place), pair, part, last, ledger, i)
 
 
 @inner_kernel

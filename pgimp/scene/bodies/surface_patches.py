@@ -19,7 +19,7 @@ from pgimp.scene.bodies.surface_elements import Closed, find_elements
 #: Least area of a facet, and of a patch that does not join another, over that of a cell's side.
 LEAST_FACET, LEAST_PATCH = 1e-6, 0.5
 
-#: Least cosines between the normals of patches that join, and of facets and the greatest in a patch.
+#: Least cosines between normals of patches that join, and of facets and the greatest of a patch.
 _ALIKE, _FLAT = 0.7, 0.8
 
 #: Moments across the normal, over area times size, above which an element has several faces; and
@@ -134,7 +134,8 @@ def _parted(elements: Elements, size: Reals) -> Elements:
         return elements
     parts = elements.chosen(np.array(rows))
     parts = parts._replace(area=np.array(areas), moment=np.array(moments))
-    return Elements(*map(np.concatenate, zip(elements.chosen(keep), parts, strict=True)))
+    both = zip(elements.chosen(keep), parts, strict=True)
+    return Elements(*(np.concatenate(each) for each in both))  # type: ignore[arg-type]
 
 
 def _three(values: Reals) -> Reals:
@@ -159,7 +160,7 @@ def _patches(
         np.stack([np.bincount(patch, area * v[:, d]) for d in range(x.shape[1])], axis=1)
         for v in (x, normal)
     )
-    into = _joins(places, total, centre / total[:, None], mean, side)
+    into = _joins(places, total, np.asarray(centre / total[:, None]), np.asarray(mean), side)
     return np.unique(into[patch], return_inverse=True)[1].reshape(-1)
 
 
@@ -168,8 +169,8 @@ def _flat(places: Indices, patch: Indices, normal: Reals, area: Reals) -> tuple[
 
     Each part has the facets that are alike to the greatest of the rest.
     """
-    mean = np.stack([np.bincount(patch, area * n) for n in normal.T], axis=1)
-    mean /= np.maximum(np.sqrt((mean * mean).sum(axis=1)), 1e-300)[:, None]
+    mean = np.stack([np.bincount(patch, area * n) for n in normal.T], axis=1).astype(float)
+    mean = mean / np.maximum(np.sqrt((mean * mean).sum(axis=1)), 1e-300)[:, None]
     bent = np.unique(patch[(mean[patch] * normal).sum(axis=1) < _FLAT])
     more, patch = [places], patch.copy()
     for one in bent.tolist():

@@ -113,13 +113,11 @@ def line(R, load=0.02, waves=60.0):
     sim = core(case_of(size, 1.0, {"solid": SOLID}, bodies, waves / rate, gravity=gravity,
                        damping={"mass": 0.5 * rate},
                        contact=[{"bodies": ["disk", "floor"]}]))  # fmt: skip
-    before = None
     while not sim.finished:
         sim.advance()
     body, middle, area, pushed = pressures(sim)
     half = sqrt(4.0 * force * R / pi / stiff)
     top = 2.0 * force / pi / half
-    total = np.zeros(len(area))
     own = body == 0
     x, found = middle[own, 0] - centre[0], pushed[own] / area[own]
     t = (np.arange(101) + 0.5) / 101.0 - 0.5

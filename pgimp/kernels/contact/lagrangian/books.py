@@ -109,7 +109,7 @@ def book_contacts(contact, free, contact_pairs, coupling, solved, walls, ledger)
             ledger.wall_energy[0, face, WALL_LOSS] += loss
             continue
         place = contact_pairs.rigid[k, 2]
-        book(contact, free, (0, 0, 0), place, 0, 1.0, True, ledger, 0)
+        book(contact, free, ((0, 0, 0), place), 0, 1.0, True, ledger, 0)
 
 
 @inner_kernel

@@ -205,7 +205,7 @@ def _own(frame, cells, c, near, d):
 
 
 @kernel
-def find_gaps(frame, rigid_bodies, walls, surface, cells, u, scratch, far, every):
+def find_gaps(frame, rigid_bodies, walls, surface, moved, scratch, far, every):
     """Find the gaps between facets and the other bodies next to them.
 
     Parameters
@@ -214,8 +214,8 @@ def find_gaps(frame, rigid_bodies, walls, surface, cells, u, scratch, far, every
         The rigid bodies at their positions.
     walls : SeparatingWalls
         The unilateral walls.
-    u : (vertices, 3) float64
-        Displacements of the surface vertices.
+    moved : (SurfaceCells, (vertices, 3) float64)
+        The cells, and the displacements of the surface vertices.
     scratch
         As of `move_facets`.
     far : float
@@ -223,7 +223,7 @@ def find_gaps(frame, rigid_bodies, walls, surface, cells, u, scratch, far, every
     every : (n,) NEAR_FACET
         The facets; `other` is where the search for the one next to them begins.
     """
-    D, last = len(frame.cell), -1
+    D, last, (cells, u) = len(frame.cell), -1, moved
     for n in range(len(every)):
         near = every[n]
         s = near.facet

@@ -92,6 +92,8 @@ def _find_sides(surface, every, first, last, near):
 @inner_kernel
 def _faces(surface, near):
     """Part of a facet that faces the other body: 1 if parallel, little where it is askew."""
+    if not near.gap < inf:
+        return 0.0
     cosine = 0.0
     for d in range(3):
         cosine -= surface.turned[near.facet, d] * near.normal[d]
@@ -160,13 +162,13 @@ def _add_cell(D, cells, c, sums, r, used, seen, coupling):
 
 
 @inner_kernel
-def _add_row(D, surface, cells, every, first, last, own, r, used, scratch, coupling):
-    """Add the row `r` of a patch's own body, or of the other; returns the number of entries.
+def _add_row(D, surface, cells, group, own, at, scratch, coupling):
+    """Add a row of a patch's own body, or of the other; returns the number of entries.
 
-    `every` has their weights.
+    `group` are facets with their weights, the first and the end of the patch's; `at` the number of
+    the row, and of entries so far.
     """
-    _, seen, sums = scratch
-    c = -1
+    (_, seen, sums), (every, first, last), (r, used), c = scratch, group, at, -1
     for n in range(first, last):
         part = every[n].weight
         if part == 0.0:
@@ -202,8 +204,12 @@ def _law_of(pairs, a, b, cell, travel):
 
 
 @inner_kernel
-def _set_pair(contact, surface, every, first, last, side, law, cell, dt, end, row, rigid):
-    """Set the state of a pair, given its facets, and their weights; returns whether it is one."""
+def _set_pair(contact, surface, group, side, law, size, pair):
+    """Set the state of a pair, given its facets, and their weights; returns whether it is one.
+
+    `group` is as in `_add_row`; `size` are the least side of a cell, and the step.
+    """
+    (every, first, last), (cell, dt), (end, row, rigid) = group, size, pair
     pairs, a, b = contact.pairs, surface.body[every[first].facet], every[first].body
     entry, swapped, near = law
     tied, least = pairs.kind[entry - 1] == TIED, inf
@@ -269,7 +275,7 @@ def _set_rigid_velocity(rigid_bodies, s, rigid, side):
 
 @kernel
 def find_patch_pairs(
-    contact, frame, surface, cells, every, dt, fastest, scratch, contact_pairs, coupling
+    contact, frame, surface, cells, every, step, scratch, found
 ) -> tuple[int, int, int]:
     """Find the pairs of patches and other bodies, and their rows.
 
@@ -279,21 +285,20 @@ def find_patch_pairs(
         Laws and rigid bodies.
     every : (n,) NEAR_FACET
         Facets with their gaps, by patch and other body. Sides and weights are set here.
-    fastest : float
-        Greatest speed of a vertex or of a rigid body.
+    step : (float, float)
+        Length of the step, and greatest speed of a vertex or of a rigid body.
     scratch : ((m, NUMBERS) float64, (2, m) int64, (2^D,) float64)
         The records of `ReferenceVertices`, and scratch.
-    contact_pairs : ContactPairs
-        With room for a pair each `n`.
-    coupling : Coupling
-        Filled, as far as there is room.
+    found : (ContactPairs, Coupling)
+        Filled: pairs, with room for one each `n`, and their rows, as far as there is room.
 
     Returns
     -------
     tuple of 3 int
         Numbers of pairs, rows and entries.
     """
-    D, (numbers, seen, sums) = len(frame.cell), scratch
+    D, (numbers, seen, sums), (dt, fastest) = len(frame.cell), scratch, step
+    contact_pairs, coupling = found
     cell = frame.cell[0]
     for d in range(D):
         cell = min(cell, frame.cell[d])
@@ -320,9 +325,8 @@ def find_patch_pairs(
                 continue
             end, rigid = contact_pairs.ends[pairs], contact_pairs.rigid[pairs]
             row = contact_pairs.states[pairs]
-            if not _set_pair(
-                contact, surface, every, first, last, side, law, cell, dt, end, row, rigid
-            ):
+            group, pair = (every, first, last), (end, row, rigid)
+            if not _set_pair(contact, surface, group, side, law, (cell, dt), pair):
                 continue
             for a in range(2):
                 body = end.bodies[a]
@@ -333,9 +337,8 @@ def find_patch_pairs(
                     _set_rigid_velocity(contact.rigid_bodies, -1 - body, rigid, a)
                     continue
                 end.rows[a] = rows
-                used = _add_row(
-                    D, surface, cells, every, first, last, own, rows, used, scratch, coupling
-                )
+                at = rows, used
+                used = _add_row(D, surface, cells, group, own, at, scratch, coupling)
                 start[rows + 1] = used
                 if used <= len(coupling.column):
                     set_answer(coupling, rows, numbers)

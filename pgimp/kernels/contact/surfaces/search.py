@@ -136,7 +136,7 @@ def _looks(surface, acts, cell, s, f):
 
 
 @kernel
-def find_meeting(surface, acts, some, bins, strides, reach, marks, best, every):
+def find_meeting(surface, acts, some, bins, reach, marks, best, every):
     """Find the facets that may soon meet another body, and the nearest facet there.
 
     Parameters
@@ -147,11 +147,9 @@ def find_meeting(surface, acts, some, bins, strides, reach, marks, best, every):
         Whether facets of the first body look for those of the second.
     some : (n,) int64
         The facets to look at.
-    bins : ((n,) int64, (n,) int64, (n,) int64)
+    bins : ((n,) int64, (n,) int64, (n,) int64, (3,) int64)
         Keys of the bins that they are in, with sides of the reach; these keys, ascending, and the
-        facets' offsets in `some` in that order.
-    strides : (3,) int64
-        See `find_beside`.
+        facets' offsets in `some` in that order; strides, see `find_beside`.
     reach : (float, float)
         Greatest distance, and the side of a cell.
     marks : (facets,) uint8
@@ -166,7 +164,7 @@ def find_meeting(surface, acts, some, bins, strides, reach, marks, best, every):
     int
         How many there are.
     """
-    found, (key_of, keys, order), (least, nearest, met) = 0, bins, best
+    found, (key_of, keys, order, strides), (least, nearest, met) = 0, bins, best
     for n in range(len(some)):
         s, bodies = some[n], 0
         for way in range(9):

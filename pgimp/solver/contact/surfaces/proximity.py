@@ -297,7 +297,7 @@ class Proximity:
         marks[:] = 0
         key_of, strides = bins_of(surface.now[some], reach[0], self.scene.dimension)
         order = np.argsort(key_of, kind="stable")
-        bins, count = (key_of, key_of[order], order), len(acts)
+        bins, count = (key_of, key_of[order], order, strides), len(acts)
         best = np.full(count, np.inf), np.empty(count, np.int64), np.empty(count, np.int64)
         parts = []
         if needed(len(some)):
@@ -305,7 +305,7 @@ class Proximity:
                 2 * len(some) + 16,
                 no_facets,
                 lambda room: call(
-                    find_meeting, surface, acts, some, bins, strides, reach, marks, best, room
+                    find_meeting, surface, acts, some, bins, reach, marks, best, room
                 ),
             )
             parts.append(every[:found])

@@ -20,13 +20,14 @@ def surface_of(x, normal, area, body, beside=None):
     index = np.arange(n)
     return Surface(
         x, normal, x.copy(), np.full((n, 3), 0.5), area, index, body, np.full(n, -1),
-        np.zeros((n, 3)), np.zeros(n, np.uint8), start, np.concatenate(beside).astype(np.int64), x.copy(), normal.copy(),
+        np.zeros((n, 3)), np.zeros(n, np.uint8), start, np.concatenate(beside).astype(np.int64),
+        x.copy(), normal.copy(),
     )  # fmt: skip
 
 
 @kernel
 def _levels(surface, every, least, width, found):
-    found[0] = _level(surface, every, 0, len(every), least, width)
+    found[0] = _level(surface, every, 0, len(every), 0, least, width)
     for n in range(len(every)):
         found[1 + n] = _faces(surface, every[n])
 
@@ -51,6 +52,7 @@ def test_levels_solve_their_equation(spread):
     every["facet"], every["normal"] = np.arange(n), [0.0, 1.0, 0.0]
     every["gap"] = 0.05 + spread * rng.random(n)
     every["gap"][4] = np.inf
+    every["side"] = np.where(np.isfinite(every["gap"]), 0, -1)
     found = np.empty(1 + n)
     _levels(surface, every, every["gap"].min(), WIDTH, found)
     cosine = np.maximum(0.0, -normal[:, 1])
@@ -78,6 +80,7 @@ def test_parallel_faces_have_their_gap():
     found = np.empty(1 + n)
     for beyond in (0, 3, 5):
         every["gap"][:beyond] = np.inf
+        every["side"] = np.where(np.isfinite(every["gap"]), 0, -1)
         _levels(surface, every, 0.07, WIDTH, found)
         assert found[0] == pytest.approx(0.07 + WIDTH, rel=1e-12)
 

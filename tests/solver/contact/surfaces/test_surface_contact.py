@@ -182,6 +182,27 @@ def test_a_pile_rests_on_a_floor(floor):
     assert deep == pytest.approx(0.25, abs=0.05 * 0.25)
 
 
+@pytest.mark.wide
+def test_a_block_at_rest_gains_no_energy():
+    """With friction and nothing that damps, over 15,000 steps."""
+    g = 1.0
+    bodies = {
+        "a": exact(box([3.0, 2.0], [7.0, 5.0])),
+        "b": {"rigid": {}, "region": box([0.5, 0.5], [10.0, 2.0])},
+    }
+    weight = {"table": [[0.0, [0.0, 0.0]], [2.0, [0.0, -g]]]}
+    sim = start(case_of(bodies, [11, 8], 1e9, friction=0.3, gravity=weight))
+    found = []
+    while sim.step < 15000:
+        sim.advance()
+        if sim.step > 500 and sim.step % 10 == 0:
+            line = sim.diagnostics()
+            found.append(energy(line) + 12.0 * g * line["body.a.centre-y"])
+    n = len(found) // 4
+    change = np.mean(found[-n:]) - np.mean(found[:n])
+    assert abs(change) < 2e-5 * line["strain-energy"]
+
+
 def test_a_block_that_leaves_a_table_is_not_held_by_its_side():
     """It slides over the edge and tips; energy falls by what friction takes, and not otherwise."""
     table = box([0.0, 3.0], [10.4, 6.0])
@@ -229,7 +250,7 @@ def test_a_sharp_wedge_is_stopped_whichever_body_comes_first(order, soft):
         {"point": tip.tolist(), "normal": [way * np.cos(half), -np.sin(half)]}
         for way in (-1.0, 1.0)
     ]
-    planes.append({"point": (tip + [0.0, 6.0]).tolist(), "normal": [0.0, 1.0]})
+    planes.append({"point": np.add(tip, [0.0, 6.0]).tolist(), "normal": [0.0, 1.0]})
     region = {"intersection": [{"half-space": plane} for plane in planes]}
     v, end = 0.02 * C, 2.0
     entries = {

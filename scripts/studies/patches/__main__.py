@@ -1,0 +1,128 @@
+"""Measures contact of bodies by their own surfaces against exact results; see scripts/patches."""
+
+from studies.harness import Kept, options_of, origin, out, put, table
+from studies.patches import edges, fast, hard, impacts, pressed, slopes
+
+OFFSETS = ((0.0, 0.0), (0.5, 0.5), (0.25, 0.0), (0.13, 0.21), (0.37, 0.78))
+STILL, FRAMES = (0.0, 0.0), ((0.0, 0.0), (0.02, 0.0), (0.2, 0.05))
+LATTICES = ((0.37, 0.21), (0.2, 0.6), (0.97, 0.02))
+SIDES = ((0.0, 0.0), (0.5, 0.5), (0.25, 0.0), (0.13, 0.21), (-0.13, 0.21))
+WHAT = ("bars", "disks", "oblique", "blocks", "hertz", "slopes", "beam", "hard")
+
+
+def spread(values):
+    """Least and greatest of some numbers."""
+    return f"{min(values):.4f} to {max(values):.4f}"
+
+
+def bars():
+    for n in (20, 40, 80):
+        found = [impacts.bars(n, STILL, at)["restitution"] for at in OFFSETS[:4]]
+        moving = [impacts.bars(n, V, OFFSETS[3])["restitution"] for V in FRAMES]
+        yield (f"bars of {n} cells, at four places in the cell: rebound", "1", spread(found))
+        yield ("the same, all moving at 0 to .2 of the speed of waves: spread", "0",
+               f"{max(moving) - min(moving):.0e}")  # fmt: skip
+
+
+def disks():
+    for R in (5, 10, 20):
+        found = [impacts.disks(R, STILL, (*at, 0.0, 0.0)) for at in OFFSETS]
+        rebounds = [each["restitution"] for each in found]
+        moving = [impacts.disks(R, V, (*OFFSETS[3], 0.0, 0.0))["restitution"] for V in FRAMES]
+        yield (f"disks, R = {R} cells, at five places in the cell: rebound", ".985",
+               spread(rebounds))  # fmt: skip
+        yield ("the same, all moving at 0 to .2 of the speed of waves: spread", "0",
+               f"{max(moving) - min(moving):.0e}")  # fmt: skip
+        yield ("the same: momentum and angular momentum that change", "0",
+               f"{max(max(each['momentum'], each['spin']) for each in found):.0e}")  # fmt: skip
+
+
+def oblique():
+    for R in (5, 10, 20):
+        found = [slopes.oblique(R, at) for at in SIDES[: 5 if R < 20 else 2]]
+        yield (f"a disk, R = {R} cells, slips at 60 degrees: spin", ".975",
+               spread([each["spin"] for each in found]))  # fmt: skip
+
+
+def blocks():
+    for D, ways in ((2, LATTICES), (3, LATTICES[1:2])):
+        for angle in (0, 17, 45):
+            found = [pressed.patch_test(D, way, angle) for way in ways]
+            least, most, rms = (f([each[n] for each in found]) for n, f in
+                                enumerate((min, max, max)))  # fmt: skip
+            yield (f"blocks whose lattices differ, turned by {angle} degrees, {D}D: stress of all "
+                   "particles, and rms of its error", "1",
+                   f"{least:.3f} to {most:.3f}, {rms:.4f}")  # fmt: skip
+
+
+def hertz():
+    for R in (16, 32):
+        found = pressed.line(R)
+        yield (f"disk pressed on a plane, {found['half width']:.1f} cells in the half-width: "
+               "greatest pressure of a patch over Hertz's", "1",
+               f"{found['greatest']:.3f}")  # fmt: skip
+
+
+def rolling():
+    for R in (8, 16):
+        for words, *how in (("rolls", 25.0, 0.3), ("slips", 50.0, 0.25)):
+            a, spin = slopes.slope(R, *how)
+            yield (f"a disk, R = {R} cells, {words}: acceleration, and of its rotation", "1",
+                   f"{a:.4f}, {spin:.4f}")  # fmt: skip
+
+
+def beam():
+    found = [edges.beam(edge) for edge in (0.44, 0.4425, 0.445, 0.4475)]
+    yield ("a beam on the edge of a rigid block, at four places in the cell: deflection", "1",
+           spread([each[0] for each in found]))  # fmt: skip
+    yield ("the same: sideways over vertical force", "0", f"{max(each[1] for each in found):.0e}")
+
+
+def scenes():
+    """Hard scenes; greatest depth in cells, and what becomes of the energy."""
+    slid = hard.over_the_edge()
+    yield ("a block slides over the edge of a table: depth, cells", "0", f"{slid['depth']:.4f}")
+    for angle in (20.0, 30.0, 60.0, 90.0):
+        found = [hard.wedge(angle, order) for order in (("wedge", "block"), ("block", "wedge"))]
+        words = "; ".join(f"{one['depth']:.3f}, {one['most']:.3f}" for one in found)
+        yield (f"a wedge of {angle:g} degrees hits a block, either first: depth, cells, and "
+               "greatest energy", "0, 1", words)  # fmt: skip
+    for shape in ("disk", "square"):
+        one = fast.fast(shape=shape)
+        yield (f"{shape}s meet at .3 of the speed of waves: depth, cells, and energy left", "0",
+               f"{one['depth']:.3f}, {one['energy']:.3f}")  # fmt: skip
+    for thick in (1.0, 2.0):
+        found = hard.plates(thick)
+        yield (f"plates {thick:g} cells thick meet flat, askew, edge on: depth, cells", "0",
+               ", ".join(f"{one['depth']:.4f}" for one in found.values()))  # fmt: skip
+    one = hard.peg()
+    yield ("a peg pushed askew through a slot: depth, cells", "0", f"{one['depth']:.4f}")
+    one = hard.pile()
+    first, last = one["kinetic over strain, first half of rest, second"]
+    yield ("a pile of ten blocks, 100,000 steps: depth, and drift to the side, cells", "0",
+           f"{one['depth']:.0e}, {one['drift x']:.0e}")  # fmt: skip
+    yield ("the same: kinetic over strain energy in the third and the last quarter", "",
+           f"{first:.4f}, {last:.4f}")  # fmt: skip
+
+
+FUNCTIONS = dict(zip(WHAT, (bars, disks, oblique, blocks, hertz, rolling, beam, scenes),
+                     strict=True))  # fmt: skip
+
+
+def main():
+    """Measure, and write the table of docs/contact-validation.md."""
+    words = {"nargs": "*", "metavar": "WHAT", "among": WHAT}
+    options = options_of("patches", words=words)
+    kept = Kept(out("patches") / "patches.json")
+    for name in options.words or WHAT:
+        kept.add(name, list(FUNCTIONS[name]()))
+        kept["origin"] = origin()
+        for row in kept[name]:
+            print(*row, sep=" | ", flush=True)
+    rows = [row for name in WHAT for row in kept.get(name, [])]
+    note = f"Measured by `scripts/patches` on one core of {kept['origin']}."
+    put({"surface-contact": table(("test", "exact", "measured"), rows, note)})
+
+
+if __name__ == "__main__":
+    main()
