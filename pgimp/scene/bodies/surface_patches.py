@@ -19,7 +19,8 @@ from pgimp.scene.bodies.surface_elements import Closed, find_elements
 #: Least area of a facet, and of a patch that does not join another, over that of a cell's side.
 LEAST_FACET, LEAST_PATCH = 1e-6, 0.5
 
-#: Least cosines between the normals of patches that join, and of facets and the greatest in a patch.
+#: Least cosines between the normals of patches that join, and of a patch's greatest facet and the
+#: others.
 _ALIKE, _FLAT = 0.7, 0.8
 
 #: Moments across the normal, over area times size, above which an element has several faces; and
@@ -134,7 +135,8 @@ def _parted(elements: Elements, size: Reals) -> Elements:
         return elements
     parts = elements.chosen(np.array(rows))
     parts = parts._replace(area=np.array(areas), moment=np.array(moments))
-    return Elements(*map(np.concatenate, zip(elements.chosen(keep), parts, strict=True)))
+    both = zip(elements.chosen(keep), parts, strict=True)
+    return Elements(*(np.concatenate(each) for each in both))
 
 
 def _three(values: Reals) -> Reals:
@@ -156,22 +158,21 @@ def _patches(
     places, patch = _flat(places[:, :-1], patch.reshape(-1), normal, area)
     total = np.asarray(np.bincount(patch, area), float)
     centre, mean = (
-        np.stack([np.bincount(patch, area * v[:, d]) for d in range(x.shape[1])], axis=1)
+        np.asarray(np.stack([np.bincount(patch, area * e) for e in v.T], axis=1), float)
         for v in (x, normal)
     )
     into = _joins(places, total, centre / total[:, None], mean, side)
     return np.unique(into[patch], return_inverse=True)[1].reshape(-1)
 
 
-def _flat(
-    places: Indices, patch: Indices, normal: Reals, area: Reals
-) -> tuple[Indices, Indices]:
+def _flat(places: Indices, patch: Indices, normal: Reals, area: Reals) -> tuple[Indices, Indices]:
     """Split patches whose facets are not alike, as beside edges; all patches' places, and numbers.
 
     Each part has the facets that are alike to the greatest of the rest.
     """
-    mean = np.stack([np.bincount(patch, area * n) for n in normal.T], axis=1)
-    mean /= np.maximum(np.sqrt((mean * mean).sum(axis=1)), 1e-300)[:, None]
+    sums = [np.bincount(patch, area * n) for n in normal.T]
+    mean = np.asarray(np.stack(sums, axis=1), float)
+    mean = mean / np.maximum(np.sqrt((mean * mean).sum(axis=1)), 1e-300)[:, None]
     bent = np.unique(patch[(mean[patch] * normal).sum(axis=1) < _FLAT])
     more, patch = [places], patch.copy()
     for one in bent.tolist():

@@ -1,9 +1,10 @@
-"""Scenes that are hard for contact: corners, tips, edges, piles, thin plates, fast impacts, rest."""
+"""Scenes that are hard for contact: corners, tips, edges, piles, thin plates, impacts, rest."""
 
+from itertools import pairwise
 from math import cos, pi, radians, sin
 
 import numpy as np
-from studies.patches.impacts import C, SOLID, energy, exact
+from studies.patches.impacts import SOLID, C, energy, exact
 from studies.patches.pressed import turned
 from studies.scenes import ball, box, case_of, core
 
@@ -31,13 +32,20 @@ def watched(sim, every=1, limit=10**9):
 
 def _books(first, lines):
     """Greatest and last energy that books do not explain, over the greatest there is."""
+
     def whole(line):
         return energy(line) + line["dissipated-energy"]
 
     most = max(max(energy(line) for line in lines), 1e-300)
-    work = [line.get("external-work", 0.0) + sum(
-        value for key, value in line.items() if key.startswith("tool.") and key.endswith(".work"))
-        for line in lines]
+    work = [
+        line.get("external-work", 0.0)
+        + sum(
+            value
+            for key, value in line.items()
+            if key.startswith("tool.") and key.endswith(".work")
+        )
+        for line in lines
+    ]
     off = [abs(whole(line) - whole(first) - w) / most for line, w in zip(lines, work, strict=True)]
     return max(off)
 
@@ -89,11 +97,13 @@ def peg(clearance=0.05, speed=0.02, friction=0.2):
     """A peg is pushed through a slot that is a little narrower at its end: 2D."""
     low = np.array([3.17, 12.0])
     wide, high = 4.0, 8.0
+    way = [0.0, -speed * C]
     left = box([0.0, 1.0], [low[0] - clearance, 11.0])
     right = box([low[0] + wide + clearance, 1.0], [low[0] + wide + 3.0, 11.0])
     bodies = {
-        "peg": exact(box(low - [0.0, 3.0], low + [wide, high - 3.0]), [0.0, -speed * C]),
-        "left": exact(left), "right": exact(right),
+        "peg": exact(box([low[0], low[1] - 3.0], low + np.array([wide, high - 3.0])), way),
+        "left": exact(left),
+        "right": exact(right),
     }
     held = {name: {"body": name, "region": box([x, 0.0], [x + 1.0, 12.0]), "velocity": [0.0, 0.0]}
             for name, x in (("left", 0.0), ("right", low[0] + wide + 2.0))}  # fmt: skip
@@ -104,8 +114,11 @@ def peg(clearance=0.05, speed=0.02, friction=0.2):
                        contact=[{"bodies": ["peg", name], "friction": friction}
                                 for name in ("left", "right")]))  # fmt: skip
     _, deepest, lines = watched(sim, 3)
-    return {"depth": deepest, "steps": sim.step,
-            "energies": [round(energy(line), 6) for line in lines[:: max(1, len(lines) // 5)]]}
+    return {
+        "depth": deepest,
+        "steps": sim.step,
+        "energies": [round(energy(line), 6) for line in lines[:: max(1, len(lines) // 5)]],
+    }
 
 
 def pile(count=10, side=(4.0, 3.0), steps=100_000, load=1e-3, floor="separating", friction=0.3):
@@ -114,10 +127,10 @@ def pile(count=10, side=(4.0, 3.0), steps=100_000, load=1e-3, floor="separating"
     bodies, y = {}, 0.0 if floor == "separating" else 2.0
     for k in range(count):
         low = np.array([3.0 + 0.17 * (k % 3), y + high * k])
-        bodies[f"b{k}"] = exact(box(low, low + [wide, high]))
+        bodies[f"b{k}"] = exact(box(low, low + np.array([wide, high])))
     g = load * SOLID["young"] / (count * high)
     names = [*bodies]
-    contact = [{"bodies": two, "friction": friction} for two in zip(names, names[1:], strict=False)]
+    contact = [{"bodies": two, "friction": friction} for two in pairwise(names)]
     more = {}
     if floor == "separating":
         more["boundaries"] = {"y-min": {"separating": {"friction": friction}}}
@@ -163,8 +176,18 @@ def over_the_edge(order=("block", "table"), friction=0.1, soft=False):
     if soft:
         more["constraints"] = {"held": {"body": "table", "region": box([0.0, 3.0], [10.0, 4.0]),
                                         "velocity": [0.0, 0.0]}}  # fmt: skip
-    sim = core(case_of([28.0, 14.0], 1.0, {"solid": SOLID}, bodies, 5.0, gravity=[0.0, -g],
-                       contact=[{"bodies": ["block", "table"], "friction": friction}], **more))
+    sim = core(
+        case_of(
+            [28.0, 14.0],
+            1.0,
+            {"solid": SOLID},
+            bodies,
+            5.0,
+            gravity=[0.0, -g],
+            contact=[{"bodies": ["block", "table"], "friction": friction}],
+            **more,
+        )
+    )
     first, deepest, lines = watched(sim, 1)
     last = lines[-1]
     return {"depth": deepest, "fell": last["body.block.centre-y"], "x": last["body.block.centre-x"],
@@ -177,7 +200,7 @@ def plates(thick=1.0, V=0.05, cells=20.0):
     for name, angle, at in (("flat", 0.0, 0.5), ("askew", 8.0, 2.3), ("edge on", 90.0, 11.0)):
         middle = np.array([15.13, 14.21])
         one = turned(middle, [cells, thick], 0.0)[0]
-        other = turned(middle + [0.37, at + thick], [cells, thick], angle)[0]
+        other = turned(middle + np.array([0.37, at + thick]), [cells, thick], angle)[0]
         bodies = {"a": exact(one), "b": exact(other, [0.0, -V * C])}
         end = (at / V + 4.0 * cells) / C
         sim = core(case_of([30.0, 44.0], 1.0, {"solid": SOLID}, bodies, end,
@@ -200,7 +223,7 @@ def wedge(angle=20.0, order=("wedge", "block"), v=0.02, friction=0.0):
         {"half-space": {"point": tip.tolist(), "normal": [way * cos(half), -sin(half)]}}
         for way in (-1.0, 1.0)
     ]
-    top = {"half-space": {"point": (tip + [0.0, high]).tolist(), "normal": [0.0, 1.0]}}
+    top = {"half-space": {"point": (tip + np.array([0.0, high])).tolist(), "normal": [0.0, 1.0]}}
     entries = {
         "wedge": exact({"intersection": [*sides, top]}, [0.0, -v * C]),
         "block": exact(box([3.37, 2.21], [13.37, 8.11])),
@@ -239,24 +262,36 @@ def bouncing(R=5.0, load=2e-3, bounces=4):
         "floor": {"rigid": {}, "region": box([0.5, 0.5], [2.0 * R + 5.5, 3.0])},
     }
     end = bounces * 2.3 * np.sqrt(2.0 * fall / g)
-    sim = core(case_of([2.0 * R + 6.0, 2.0 * R + 2.0 * fall + 6.0], 1.0, {"solid": SOLID}, bodies,
-                       end, gravity=[0.0, -g], contact=[{"bodies": ["disk", "floor"]}]))
+    sim = core(
+        case_of(
+            [2.0 * R + 6.0, 2.0 * R + 2.0 * fall + 6.0],
+            1.0,
+            {"solid": SOLID},
+            bodies,
+            end,
+            gravity=[0.0, -g],
+            contact=[{"bodies": ["disk", "floor"]}],
+        )
+    )
     _, deepest, lines = watched(sim, 1)
     y = np.array([line["body.disk.centre-y"] for line in lines]) - 3.0 - R
     tops = [y[k] / fall for k in range(1, len(y) - 1) if y[k - 1] < y[k] >= y[k + 1] and y[k] > 0.1]
     mass = pi * R * R
     total = np.array([energy(line) for line in lines]) + mass * g * y
-    return {"depth": deepest, "heights": np.round(tops, 3).tolist(),
-            "energy": [total.max() / (mass * g * fall), total[-1] / (mass * g * fall)]}
+    return {
+        "depth": deepest,
+        "heights": np.round(tops, 3).tolist(),
+        "energy": [total.max() / (mass * g * fall), total[-1] / (mass * g * fall)],
+    }
 
 
 def fast(R=6.0, v=0.15, shape="disk"):
     """Bodies meet at 2 v in wave speeds: energy, momentum, depth, whether they have crossed."""
     one = np.array([R + 3.13, R + 5.21])
-    other = one + [2.0 * R + 0.5, 0.3 * R]
+    other = one + np.array([2.0 * R + 0.5, 0.3 * R])
     regions = [ball(c, R) if shape == "disk" else box(c - R, c + R) for c in (one, other)]
     if shape == "square":
-        regions[1] = turned(other + [0.6 * R, 0.0], [2.0 * R] * 2, 20.0)[0]
+        regions[1] = turned(other + np.array([0.6 * R, 0.0]), [2.0 * R] * 2, 20.0)[0]
     bodies = {"a": exact(regions[0], [v * C, 0.0]), "b": exact(regions[1], [-v * C, 0.0])}
     sim = core(case_of([6.0 * R + 8.0, 3.0 * R + 12.0], 1.0, {"solid": SOLID}, bodies,
                        (2.0 / v + 8.0 * R) / C,

@@ -1,9 +1,9 @@
 """Bodies that meet and part, exact to their surface: restitution in any frame, at any offset."""
 
-from math import cos, radians, sin, sqrt
+from math import sqrt
 
 import numpy as np
-from studies.scenes import a_line, ball, box, case_of, core
+from studies.scenes import ball, box, case_of, core
 
 #: Cells have sides of 1; speeds are in wave speeds C.
 POISSON, YOUNG = 0.3, 1000.0

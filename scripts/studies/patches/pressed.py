@@ -3,11 +3,10 @@
 from math import cos, pi, radians, sin, sqrt
 
 import numpy as np
-from studies.patches.impacts import C, SOLID, YOUNG, exact
+from studies.patches.impacts import SOLID, YOUNG, C, exact
 from studies.scenes import ball, box, case_of, core
 
 from pgimp.kernels.data.motion import DISPLACEMENT
-from pgimp.kernels.data.record import RECORD
 
 
 def shifted(sim, beyond, way):
@@ -54,8 +53,9 @@ def patch_test(D, offset, angle, strain=2e-3, side=4.0, end=200.0):
         home = at if name == "a" else there
         plate = home + 2.5 * way * axes[1]
         speed = (-way * 3.0 * strain / ramp * axes[1]).tolist()
+        table = [[0.0, speed], [ramp, speed], [ramp + 1.0, [0.0] * D]]
         bodies[f"plate-{name}"] = {
-            "rigid": {"velocity": {"table": [[0.0, speed], [ramp, speed], [ramp + 1.0, [0.0] * D]]}},
+            "rigid": {"velocity": {"table": table}},
             "region": turned(plate, np.array([side + 3.0, 2.0, side + 3.0][:D]), angle)[0],
         }
     pairs = [["a", "b"], ["plate-a", "a"], ["plate-b", "b"]]
@@ -112,13 +112,11 @@ def line(R, load=0.02, waves=60.0):
     sim = core(case_of(size, 1.0, {"solid": SOLID}, bodies, waves / rate, gravity=gravity,
                        damping={"mass": 0.5 * rate},
                        contact=[{"bodies": ["disk", "floor"]}]))  # fmt: skip
-    before = None
     while not sim.finished:
         sim.advance()
     body, middle, area, pushed = pressures(sim)
     half = sqrt(4.0 * force * R / pi / stiff)
     top = 2.0 * force / pi / half
-    total = np.zeros(len(area))
     own = body == 0
     x, found = middle[own, 0] - centre[0], pushed[own] / area[own]
     t = (np.arange(101) + 0.5) / 101.0 - 0.5
@@ -128,8 +126,8 @@ def line(R, load=0.02, waves=60.0):
     ])  # fmt: skip
     on = found > 0.0
     return {
-        "half width": half, "force": pushed.sum() / force, "of its patches": pushed[own].sum() / force,
+        "half width": half,
+        "force": pushed.sum() / force,
         "greatest": found.max(initial=0.0) / top,
         "rms": sqrt(((found - hertz)[on] ** 2).mean()) / top if on.any() else np.nan,
-        "profile": sorted(zip(x.round(2), (found / top).round(3), (hertz / top).round(3), strict=True)),
     }

@@ -3,7 +3,7 @@
 from math import cos, pi, radians, sin, sqrt, tan
 
 import numpy as np
-from studies.patches.impacts import C, SOLID, exact, parted
+from studies.patches.impacts import SOLID, C, exact, parted
 from studies.scenes import ball, box, case_of, core
 
 

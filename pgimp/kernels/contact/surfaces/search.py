@@ -7,7 +7,6 @@ from pgimp.kernels.contact.surfaces.gaps import apart, reluctance
 from pgimp.kernels.data.motion import DISPLACEMENT
 from pgimp.kernels.data.record import RECORD
 
-
 #: Cosine between normals below which facets at tips leave it to the other body's to look.
 STEEP = -0.8
 
