@@ -157,7 +157,7 @@ def _patches(
     places, patch = _flat(places[:, :-1], patch.reshape(-1), normal, area)
     total = np.asarray(np.bincount(patch, area), float)
     centre, mean = (
-        np.stack([np.bincount(patch, area * v[:, d]) for d in range(x.shape[1])], axis=1)
+        np.asarray(np.stack([np.bincount(patch, area * e) for e in v.T], axis=1), float)
         for v in (x, normal)
     )
     into = _joins(places, total, np.asarray(centre / total[:, None]), np.asarray(mean), side)

@@ -50,17 +50,23 @@ def blocks():
             found = [pressed.patch_test(D, way, angle) for way in ways]
             least, most, rms = (f([each[n] for each in found]) for n, f in
                                 enumerate((min, max, max)))  # fmt: skip
-            yield (f"blocks whose lattices differ, turned by {angle} degrees, {D}D: stress of all "
-                   "particles, and rms of its error", "1",
-                   f"{least:.3f} to {most:.3f}, {rms:.4f}")  # fmt: skip
+            yield (
+                f"blocks whose lattices differ, turned by {angle} degrees, {D}D: stress of all "
+                "particles, and rms of its error",
+                "1",
+                f"{least:.3f} to {most:.3f}, {rms:.4f}",
+            )
 
 
 def hertz():
     for R in (16, 32):
         found = pressed.line(R)
-        yield (f"disk pressed on a plane, {found['half width']:.1f} cells in the half-width: "
-               "greatest pressure of a patch over Hertz's", "1",
-               f"{found['greatest']:.3f}")  # fmt: skip
+        yield (
+            f"disk pressed on a plane, {found['half width']:.1f} cells in the half-width: "
+            "greatest pressure of a patch over Hertz's",
+            "1",
+            f"{found['greatest']:.3f}",
+        )
 
 
 def rolling():

@@ -1,4 +1,4 @@
-"""Scenes that are hard for contact: corners, tips, edges, piles, thin plates, fast impacts."""
+"""Scenes that are hard for contact: corners, tips, edges, piles, thin plates, impacts, rest."""
 
 from itertools import pairwise
 from math import cos, pi, radians, sin
@@ -97,10 +97,11 @@ def peg(clearance=0.05, speed=0.02, friction=0.2):
     """A peg is pushed through a slot that is a little narrower at its end: 2D."""
     low = np.array([3.17, 12.0])
     wide, high = 4.0, 8.0
+    way = [0.0, -speed * C]
     left = box([0.0, 1.0], [low[0] - clearance, 11.0])
     right = box([low[0] + wide + clearance, 1.0], [low[0] + wide + 3.0, 11.0])
     bodies = {
-        "peg": exact(box(low - [0.0, 3.0], np.add(low, [wide, high - 3.0])), [0.0, -speed * C]),
+        "peg": exact(box([low[0], low[1] - 3.0], low + np.array([wide, high - 3.0])), way),
         "left": exact(left),
         "right": exact(right),
     }
@@ -126,7 +127,7 @@ def pile(count=10, side=(4.0, 3.0), steps=100_000, load=1e-3, floor="separating"
     bodies, y = {}, 0.0 if floor == "separating" else 2.0
     for k in range(count):
         low = np.array([3.0 + 0.17 * (k % 3), y + high * k])
-        bodies[f"b{k}"] = exact(box(low, np.add(low, [wide, high])))
+        bodies[f"b{k}"] = exact(box(low, low + np.array([wide, high])))
     g = load * SOLID["young"] / (count * high)
     names = [*bodies]
     contact = [{"bodies": two, "friction": friction} for two in pairwise(names)]
@@ -199,7 +200,7 @@ def plates(thick=1.0, V=0.05, cells=20.0):
     for name, angle, at in (("flat", 0.0, 0.5), ("askew", 8.0, 2.3), ("edge on", 90.0, 11.0)):
         middle = np.array([15.13, 14.21])
         one = turned(middle, [cells, thick], 0.0)[0]
-        other = turned(np.add(middle, [0.37, at + thick]), [cells, thick], angle)[0]
+        other = turned(middle + np.array([0.37, at + thick]), [cells, thick], angle)[0]
         bodies = {"a": exact(one), "b": exact(other, [0.0, -V * C])}
         end = (at / V + 4.0 * cells) / C
         sim = core(case_of([30.0, 44.0], 1.0, {"solid": SOLID}, bodies, end,
@@ -222,7 +223,7 @@ def wedge(angle=20.0, order=("wedge", "block"), v=0.02, friction=0.0):
         {"half-space": {"point": tip.tolist(), "normal": [way * cos(half), -sin(half)]}}
         for way in (-1.0, 1.0)
     ]
-    top = {"half-space": {"point": np.add(tip, [0.0, high]).tolist(), "normal": [0.0, 1.0]}}
+    top = {"half-space": {"point": (tip + np.array([0.0, high])).tolist(), "normal": [0.0, 1.0]}}
     entries = {
         "wedge": exact({"intersection": [*sides, top]}, [0.0, -v * C]),
         "block": exact(box([3.37, 2.21], [13.37, 8.11])),

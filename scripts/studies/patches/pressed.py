@@ -53,10 +53,9 @@ def patch_test(D, offset, angle, strain=2e-3, side=4.0, end=200.0):
         home = at if name == "a" else there
         plate = home + 2.5 * way * axes[1]
         speed = (-way * 3.0 * strain / ramp * axes[1]).tolist()
+        table = [[0.0, speed], [ramp, speed], [ramp + 1.0, [0.0] * D]]
         bodies[f"plate-{name}"] = {
-            "rigid": {
-                "velocity": {"table": [[0.0, speed], [ramp, speed], [ramp + 1.0, [0.0] * D]]}
-            },
+            "rigid": {"velocity": {"table": table}},
             "region": turned(plate, np.array([side + 3.0, 2.0, side + 3.0][:D]), angle)[0],
         }
     pairs = [["a", "b"], ["plate-a", "a"], ["plate-b", "b"]]
@@ -129,10 +128,6 @@ def line(R, load=0.02, waves=60.0):
     return {
         "half width": half,
         "force": pushed.sum() / force,
-        "of its patches": pushed[own].sum() / force,
         "greatest": found.max(initial=0.0) / top,
         "rms": sqrt(((found - hertz)[on] ** 2).mean()) / top if on.any() else np.nan,
-        "profile": sorted(
-            zip(x.round(2), (found / top).round(3), (hertz / top).round(3), strict=True)
-        ),
     }
