@@ -55,6 +55,13 @@ def initial():
     return case
 
 
+def plate():
+    """A case in 2D of a large plate in the initial configuration."""
+    case = scene(2, bodies=("plate",)) | {"grid": {"size": [10.0, 10.0], "cell": [0.5, 0.5]}}
+    case["bodies"]["plate"]["configuration"] = "initial"
+    return case
+
+
 def windy():
     """A case for which the functions of docs/own-functions.md are registered."""
     exec(compile(block_of("from math import exp, sin\n"), "wind.py", "exec"), {"__name__": "wind"})
@@ -82,7 +89,8 @@ FRAGMENTS = (
     ("bodies:\n  core:", lambda: scene(3, ("steel", "rubber")), ()),
     ("region:\n", lambda: scene(2), ("bodies", "block")),
     ("materials:\n  steel:", lambda: scene(2, ("steel",)), ()),
-    ("probes:\n", lambda: file_of("bar-vibration"), ()),
+    ("probes:\n  tip:", lambda: file_of("bar-vibration"), ()),
+    ("probes:\n  edge:", plate, ()),
     ("gauges:\n  waist:", lambda: scene(2), ()),
     ("materials:\n  clay:", lambda: scene(2, ("clay",)), ()),
     ("young:\n", lambda: scene(2), ("materials", "rubber")),
