@@ -58,7 +58,10 @@ def initial():
 def plate():
     """A case in 2D of a large plate in the initial configuration."""
     case = scene(2, bodies=("plate",)) | {"grid": {"size": [10.0, 10.0], "cell": [0.5, 0.5]}}
-    plate = {"configuration": "initial", "region": {"box": {"min": [0.0, 0.0], "max": [10.0, 10.0]}}}
+    plate = {
+        "configuration": "initial",
+        "region": {"box": {"min": [0.0, 0.0], "max": [10.0, 10.0]}},
+    }
     case["bodies"]["plate"] |= plate
     return case
 

@@ -237,19 +237,7 @@ def wedge(angle=20.0, order=("wedge", "block"), v=0.02, friction=0.0):
         "most": round(max(energy(line) for line in lines) / energy(first), 6),
         "wedge": lines[-1]["body.wedge.momentum-y"] / first["body.wedge.momentum-y"],
         "momentum": abs(lines[-1]["momentum-y"] / first["momentum-y"] - 1.0),
-        "inside": _inside(sim, order, tip),
     }  # fmt: skip
-
-
-def _inside(sim, order, tip):
-    """How far the tip of a wedge is below the block's upper face there, at the end."""
-    p, rows = sim.particles, sim.live()
-    own = p.body[rows] == list(order).index("wedge")
-    one = p.x[rows][own]
-    block = p.x[rows][~own]
-    low = one[np.argmin(one[:, 1])]
-    near = np.abs(block[:, 0] - low[0]) < 0.6
-    return float(block[near, 1].max() - low[1]) if near.any() else None
 
 
 def bouncing(R=5.0, load=2e-3, bounces=4):
