@@ -16,7 +16,9 @@ from pgimp.running.frames import Frames
 LATERAL = {1: 3, 2: 4, 3: 6}
 #: Fields of domains that are not periodic, and that need no material.
 SAME = tuple(
-    name for name in OPTIONAL if name not in {*BY_RANKS, "unwrapped", "strain-energy-density"}
+    name
+    for name in OPTIONAL
+    if name not in {*BY_RANKS, "unwrapped", "strain-energy-density", "recovered-stress"}
 )
 #: Those that are stored, not computed from others.
 PLAIN = tuple(name for name in SAME if name not in DERIVED)
