@@ -9,7 +9,6 @@ import numpy as np
 
 from pgimp.decomposition.grid import aligned
 from pgimp.jit.rehearsal import needed
-from pgimp.kernels.contact.lagrangian.reference_grid import add_accelerations
 from pgimp.kernels.data.arguments import Field
 from pgimp.kernels.data.particles import FloatArray, IntArray
 from pgimp.kernels.grid.image_values import copy_accelerations
@@ -99,6 +98,8 @@ class AveragedMass(StepPart):
             self._arguments = *setting, forcing
         rank.call(average_forces, *self._arguments, accelerations, rows, every, none)
         if pressed:
+            from pgimp.kernels.contact.lagrangian.reference_grid import add_accelerations
+
             keys, _, forecast = self._contact
             rank.call(add_accelerations, frame, field, keys, forecast, A, reach)
         if slaves:

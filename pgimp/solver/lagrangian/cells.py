@@ -83,7 +83,8 @@ def find_cells(rank: RankState) -> LatticeCells:
     )
     is_inside = np.zeros(p.capacity, bool)
     is_inside[inside.rows] = True
-    rows = np.concatenate([rows, of_cut])
+    if len(of_cut):
+        rows = np.concatenate([rows, of_cut])
     return LatticeCells(cells, rows, off_lattice, inside, is_inside)
 
 
