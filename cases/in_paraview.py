@@ -61,6 +61,7 @@ KINDS = {
     "radius": "L",
     "principal-stress": "S",
     "max-shear": "S",
+    "recovered-stress": "S",
     "strain-energy-density": "S",
     "kinetic-energy-density": "S",
 }
