@@ -82,7 +82,7 @@ def pressures(sim):
     contact = sim.rank.contact
     surface = contact._table.surface
     kept = contact._warm_start._kept
-    patch = kept["vertex"][:, 0] // 2
+    patch = kept["vertex"][:, 0]
     area = np.bincount(surface.patch, surface.area)
     body = np.zeros(len(area), np.int64)
     body[surface.patch] = surface.body

@@ -236,7 +236,11 @@ def find_gaps(frame, rigid_bodies, walls, surface, moved, scratch, far, every):
                 near.normal[d] = -1.0 * side if d == axis else 0.0
         else:
             near.other = next_facet(D, surface, s, frame.cell[0], near.other)
-            if _square(D, surface, s, frame.cell[0], near.other) > far * far:
+            same = 0.0
+            for d in range(3):
+                same += surface.turned[s, d] * surface.turned[near.other, d]
+            most = far * far + reluctance(same, frame.cell[0])
+            if _square(D, surface, s, frame.cell[0], near.other) > most:
                 near.gap = inf
                 continue
             c = surface.cell[near.other]
