@@ -6,22 +6,10 @@ from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.contact.surfaces.gaps import apart, reluctance
 from pgimp.kernels.data.motion import DISPLACEMENT
 from pgimp.kernels.data.record import RECORD
+from pgimp.kernels.once.neighbours import first_not_below
 
 #: Cosine between normals below which facets at tips leave it to the other body's to look.
 STEEP = -0.8
-
-
-@inner_kernel
-def _first(keys, key):
-    """Offset of the first of ascending keys that is not below a key."""
-    low, high = 0, len(keys)
-    while low < high:
-        middle = (low + high) // 2
-        if keys[middle] < key:
-            low = middle + 1
-        else:
-            high = middle
-    return low
 
 
 @kernel
@@ -51,7 +39,7 @@ def find_beside(x, body, key_of, bins, strides, radius, start, beside):
             if (i != 0 and strides[0] == 0) or (j != 0 and strides[1] == 0):
                 continue
             key = key_of[n] + i * strides[0] + j * strides[1]
-            at = _first(keys, key - 1)
+            at = first_not_below(keys, key - 1)
             while at < len(keys) and keys[at] <= key + 1:
                 m, square = order[at], 0.0
                 at += 1
@@ -172,7 +160,7 @@ def find_meeting(surface, acts, some, bins, reach, marks, best, every):
             if (i != 0 and strides[0] == 0) or (j != 0 and strides[1] == 0):
                 continue
             key = key_of[n] + i * strides[0] + j * strides[1]
-            at = _first(keys, key - 1)
+            at = first_not_below(keys, key - 1)
             while at < len(keys) and keys[at] <= key + 1:
                 f, square, same = some[order[at]], 0.0, 0.0
                 at += 1
