@@ -5,9 +5,9 @@ The gap G of a patch is a smooth least one of its facets' gaps g_k. A level s so
     sum_k A_k max(0, s - g_k)^2 = A d^2,   G = s - d.
 
 A_k are the facets' areas, A is the area of those that face the other body, and d a small length. G
-is the gap itself where a patch and what it meets are parallel. Its derivatives are weights, W_k ~ A_k
-max(0, s - g_k), which add up to 1. So the constraint G >= 0 acts where the patch touches, and
-neither takes nor gives energy: it is holonomic. The velocity at the patch is the mean
+is the gap itself where a patch and what it meets are parallel. Its derivatives are weights,
+W_k ~ A_k max(0, s - g_k), which add up to 1. So the constraint G >= 0 acts where the patch touches.
+It neither takes nor gives energy: it is holonomic. The velocity at the patch is the mean
 
     w = sum_k W_k sum_j N_j(X_k) v_j.
 
