@@ -24,6 +24,8 @@ class Settings:
         Which bodies have an averaged mass.
     shape : NamedTuple
         Parameters of the shape; its support has `vertices` per direction.
+    initial_shape : NamedTuple
+        That of bodies in the initial configuration, also beside others.
     uncut : NamedTuple
         Parameters of the shape of whole particles. `shape` differs where bodies are exact to their
         surface; in contact, at current positions, their particles are cut boxes as others.
@@ -58,10 +60,12 @@ class Settings:
         self.mixed = bool(self.lagrangian.any()) and not self.initial
         method = case.method
         self.exact_surfaces = np.array([b.surface == "exact" for b in case.bodies.values()], bool)
-        self.shape = (method.fixed if self.initial else method.parameters)(tuple(case.grid.cell))
-        self.uncut = self.shape
+        cell = tuple(case.grid.cell)
+        self.initial_shape: Any = method.fixed(cell)
+        self.uncut = self.initial_shape if self.initial else method.parameters(cell)
         if self.exact_surfaces.any():  # whole particles have the same weights
-            self.shape = PartParameters(tuple(0.0 for _ in case.grid.cell))
+            self.initial_shape = PartParameters(tuple(0.0 for _ in cell))
+        self.shape = self.initial_shape if self.initial else self.uncut
         self.vertices: int = self.shape.vertices()
         self.follows = method.follows and not self.initial
         self.exact: Any = case.exact.parameters(case) if case.exact else ()

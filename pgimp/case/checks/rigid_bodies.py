@@ -68,7 +68,8 @@ def meet_by_surfaces(
     bodies: Mapping[str, Body], geometry: str, boundaries: Mapping[str, Boundary]
 ) -> bool:
     """Whether bodies meet at their own surfaces, and not at the vertices of a grid."""
-    exact = all(b.configuration == "initial" and b.surface == "exact" for b in bodies.values())
+    initial = [b for b in bodies.values() if b.configuration == "initial"]
+    exact = bool(initial) and all(b.surface == "exact" for b in initial)
     return exact and geometry != "axisymmetric" and not periodic_axes(boundaries)
 
 

@@ -18,6 +18,7 @@ from pgimp.kernels.contact.lagrangian.reference_grid import (
     change_velocities,
     read_reference_vertices,
 )
+from pgimp.kernels.contact.surfaces.data import Surface, SurfaceCells
 from pgimp.kernels.contact.surfaces.gaps import find_gaps
 from pgimp.kernels.contact.surfaces.motion import move_facets
 from pgimp.kernels.contact.surfaces.rows import find_patch_pairs
@@ -82,12 +83,7 @@ class SurfaceContact(LagrangianContact):
         table, rate = self._known(rank), max(every.rate, free.rate if free else 0.0)
         self._rate = rate
         self._proximity.update(rank, table, self._acts, rigid_bodies, t.dt, rate)
-        near = self._proximity.near
-        assert near is not None
-        if needed(near.any):
-            self._act(rank, update, table, near)
-        else:
-            self._warm_start.clear()
+        self._meet(rank, update, table)
         if free:
             free.end(rigid_bodies, t.dt)
 
@@ -111,20 +107,46 @@ class SurfaceContact(LagrangianContact):
         acts[soft, soft] &= (groups[:, None] != groups) | np.eye(len(groups), dtype=bool)
         return acts.astype(np.uint8)
 
-    def _act(self, rank: RankState, update: VertexUpdate, table: Table, near: Near) -> None:
-        """Find the gaps, solve for the impulses, and apply them; collective."""
-        scene, contact, call, grid = self.scene, self._contact, self.call, rank.grid
-        t, faces, forcing, ledger = update
-        frame, root = scene.domain.frame, self._proximity.root
-        holding = Holding(faces, frame, forcing, contact.scratch_impulse, forcing.loads.relaxation)
-        values = np.empty(len(near.own), REFERENCE_VERTEX)
-        call(read_reference_vertices, holding, grid.field, near.keys[near.own], values)
-        u, every = self._proximity.displacements(rank, near), self._proximity.on_root(near, values)
-        joint: Joint | None = None
-        found = np.zeros(1, np.int64)
-        if u is not None and every is not None:
-            joint = self._pairs(table, near, u, every, t.dt)
-            found[0] = len(joint.pairs.ends)
+    def _meet(self, rank: RankState, update: VertexUpdate, table: Table) -> None:
+        """Find the pairs, and exchange impulses; collective."""
+        near = self._proximity.near
+        assert near is not None
+        if needed(near.any):
+            self._act(rank, update, self._joint(rank, update, table, near))
+        else:
+            self._warm_start.clear()
+
+    def _holding(self, update: VertexUpdate) -> Holding:
+        """Faces and constraints, for kernels."""
+        scratch, forcing = self._contact.scratch_impulse, update.forcing
+        frame = self.scene.domain.frame
+        return Holding(update.faces, frame, forcing, scratch, forcing.loads.relaxation)
+
+    def _joint(
+        self, rank: RankState, update: VertexUpdate, table: Table, near: Near
+    ) -> Joint | None:
+        """The pairs of surfaces, on the root; collective."""
+        call, proximity, surface = self.call, self._proximity, table.surface
+        frame, rigid, cells = self.scene.domain.frame, self.rigid_bodies, near.cells
+        mine = np.empty(len(near.own), REFERENCE_VERTEX)
+        call(read_reference_vertices, self._holding(update), rank.grid.field,
+             near.keys[near.own], mine)  # fmt: skip
+        u, values = proximity.displacements(rank, near), proximity.on_root(near, mine)
+        if u is None or values is None:
+            return None
+        every, scratch = proximity.candidates, proximity.scratch
+        call(move_facets, frame, rigid, surface, cells, u, proximity.moving, scratch)
+        far = proximity.far
+        call(find_gaps, frame, rigid, self._walls, surface, (cells, u), scratch, far, every)
+        vertices = ReferenceVertices(near.keys, values)
+        return self._pairs(surface, cells, every, vertices, update.t.dt)
+
+    def _act(self, rank: RankState, update: VertexUpdate, joint: Joint | None) -> None:
+        """Solve for the impulses of pairs that the root has, and apply them; collective."""
+        scene, call, grid = self.scene, self.call, rank.grid
+        _, _, forcing, ledger = update
+        frame, root, holding = scene.domain.frame, self._proximity.root, self._holding(update)
+        found = np.array([len(joint.pairs.ends) if joint else 0])
         if self.comm.size > 1:
             self.comm.Bcast(found, root)
         if not needed(found[0]):
@@ -145,17 +167,13 @@ class SurfaceContact(LagrangianContact):
         call(book_held, holding, grid.field, changes, ledger)
 
     def _pairs(
-        self, table: Table, near: Near, u: np.ndarray, values: np.ndarray, dt: float
-    ) -> Joint:
+        self, surface: Surface, cells: SurfaceCells, every: np.ndarray,
+        reference: ReferenceVertices, dt: float,
+    ) -> Joint:  # fmt: skip
         """The pairs of patches and other bodies, with their rows of B."""
-        call, frame, surface = self.call, self.scene.domain.frame, table.surface
-        proximity, rigid, cells = self._proximity, self.rigid_bodies, near.cells
-        every, scratch = proximity.candidates, proximity.scratch
-        call(move_facets, frame, rigid, surface, cells, u, proximity.moving, scratch)
-        far = proximity.far
-        call(find_gaps, frame, rigid, self._walls, surface, (cells, u), scratch, far, every)
-        most = len(every)
-        pairs, seen = ContactPairs.empty(most), np.empty((2, len(near.keys)), np.int64)
+        call, frame, most = self.call, self.scene.domain.frame, len(every)
+        keys, values = reference
+        pairs, seen = ContactPairs.empty(most), np.empty((2, len(keys)), np.int64)
         vertices, counts = (flat(values), seen, np.empty(2 ** len(frame.cell))), [0, 0]
         fastest = float(np.abs(values["velocity"]).max(initial=0.0)) + self._rate * min(frame.cell)
 
@@ -182,4 +200,4 @@ class SurfaceContact(LagrangianContact):
             coupling.start[: rows + 1], coupling.column[:used], coupling.entry[:used],
             coupling.answer[:rows], coupling.beyond[:rows],
         )  # fmt: skip
-        return Joint(pairs.chosen(slice(found)), coupling, ReferenceVertices(near.keys, values))
+        return Joint(pairs.chosen(slice(found)), coupling, reference)
