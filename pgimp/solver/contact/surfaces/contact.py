@@ -29,9 +29,11 @@ from pgimp.solver.contact.grown import grown
 from pgimp.solver.contact.lagrangian.joint import Joint, share
 from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact, nothing_held
 from pgimp.solver.contact.lagrangian.selected import flat
+from pgimp.solver.contact.surfaces.overrun import OverrunWatch
 from pgimp.solver.contact.surfaces.proximity import Near, Proximity
 from pgimp.solver.contact.surfaces.table import Table, table_of
 from pgimp.solver.rank_state import RankState
+from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import VertexUpdate
 
 #: The most sweeps over all pairs in a step, and the relative change of impulses that ends them. To
@@ -53,6 +55,8 @@ class SurfaceContact(LagrangianContact):
         self._slaves: object = None
         self._acts = np.zeros((0, 0), np.uint8)
         self._rate = 0.0
+        rigid_bodies = scene.interaction.rigid_bodies
+        self._watch = OverrunWatch(scene, [*scene.body_names, *rigid_bodies.names])
         if not self.free:
             self._accuracy = SWEEPS, TOLERANCE
 
@@ -68,6 +72,15 @@ class SurfaceContact(LagrangianContact):
     def restore_search(self, search: np.ndarray) -> None:
         """See `NoContact.restore_search`."""
         self._proximity.restore(search)
+
+    def overrun(self, rank: RankState, done: Step) -> list[str]:
+        """See `NoContact.overrun`."""
+        if self._table is None or not self._watch.due(done):
+            return []
+        u = self._proximity.all_displacements(rank, self._table)
+        if self.comm.rank > 0:
+            return []
+        return self._watch.look(self._table, self._acts, u, self.rigid_bodies, done)
 
     def exchange(self, rank: RankState, update: VertexUpdate) -> None:
         """See `NoContact.exchange`."""

@@ -154,6 +154,14 @@ class Proximity:
                 found[some] = values
         return found
 
+    def all_displacements(self, rank: RankState, table: Table) -> np.ndarray:
+        """Displacements of all surface vertices, (v, 3) float64; collective."""
+        if self._window is not rank.grid.window:
+            self._locate(rank, table)
+        own = self._records >= 0
+        motion = rank.grid.kept.values.reshape(-1, RECORD)
+        return self._everywhere(own, motion[self._records[own], _U])
+
     def update(
         self, rank: RankState, table: Table, acts: np.ndarray, rigid: Any, dt: float, rate: float
     ) -> None:
