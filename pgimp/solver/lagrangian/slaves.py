@@ -376,12 +376,12 @@ class Slaves(StepPart):
         if courant > self.courant:
             alone = len(self.free)
             raise CaseError(
-                "bodies: near the surface of bodies with surface: exact vertices are stable up to "
+                "bodies: near the surface of bodies with cut cells vertices are stable up to "
                 f"the Courant number {self.courant:.2g}; the first step has {courant:.2g}. "
                 + f"{alone} of them hold little, and have no cell near them. "
                 * bool(alone)
                 + "Such are where a body is thinner than two cells, or ends in a sharp edge: take "
-                "finer cells (grid.cell), a smaller number (time.step), or surface: cut"
+                "finer cells (grid.cell), a smaller number (time.step), or surface: whole"
             )
 
     def notes(self) -> list[str]:
@@ -390,7 +390,7 @@ class Slaves(StepPart):
             return []
         return [
             f"vertices that hold less than {100 * LEAST:g} % of a cell, and have no cell near them "
-            f"to move with: {len(self.free)} (surface: exact); where bodies are thinner than two "
+            f"to move with: {len(self.free)}; where bodies are thinner than two "
             f"cells. They allow Courant numbers up to {self.courant:.2g}"
         ]
 
