@@ -155,5 +155,5 @@ def near_cells(
     at, stiffness = (np.concatenate(each) for each in zip(*found, strict=True))
     parts = rank.comm.allgather((at, stiffness))
     at, stiffness = (np.concatenate(each) for each in zip(*parts, strict=True))
-    order = np.lexsort(at.T)  # not that of ranks
-    return at[order], stiffness[order]
+    ascending = np.lexsort(at.T)  # not in the order of ranks
+    return at[ascending], stiffness[ascending]
