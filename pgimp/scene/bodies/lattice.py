@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pgimp.case.checks.exact_surfaces import exact_surfaces
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.geometry.measure import TangledError
@@ -108,10 +109,10 @@ class Lattice:
                 self.edges,
                 self.coordinates,
                 body.surface != "whole",
-                body.surface == "exact",
+                exact,
                 case.axisymmetric,
             )
-            for body in case.bodies.values()
+            for body, exact in zip(case.bodies.values(), exact_surfaces(case), strict=True)
         ]
         # The last counts by body and plane, and their sums: bodies may be made one by one.
         self._counts: NDArray[np.int64] = np.zeros((0, 0), np.int64)
