@@ -6,14 +6,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pgimp.geometry.sweep import close_pairs
 from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
 from pgimp.kernels.contact.surfaces.data import SurfaceCells, no_facets
 from pgimp.kernels.contact.surfaces.gaps import FARTHEST
 from pgimp.kernels.contact.surfaces.motion import move_facets
-from pgimp.kernels.contact.surfaces.search import bound_clusters, find_meeting, mark_between
+from pgimp.kernels.contact.surfaces.search import (
+    bound_clusters,
+    find_close,
+    find_meeting,
+    mark_between,
+)
 from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_VELOCITY
 from pgimp.kernels.data.record import RECORD
 from pgimp.mpi.communicator import Communicator
@@ -218,13 +222,14 @@ class Proximity:
         self, table: Table, acts: np.ndarray, low: np.ndarray, high: np.ndarray
     ) -> tuple[np.ndarray, dict[int, np.ndarray]]:
         """Pairs of clusters that may meet, and for each wall the facets that may meet it."""
-        frame, both = self.scene.domain.frame, acts | acts.T
-        cell, reach = np.array(frame.cell), self._reach
-        some = _beside(table.body, low, high, reach, both)
-        a, b = some[close_pairs(low[some], high[some], reach)].T
-        met = both[table.body[a], table.body[b]] != 0
-        met &= (low[a] <= high[b] + reach).all(axis=1) & (low[b] <= high[a] + reach).all(axis=1)
-        alone = some[both[table.body[some], table.body[some]] != 0]
+        frame, reach = self.scene.domain.frame, self._reach
+        cell, order = np.array(frame.cell), np.argsort(low[:, 0], kind="stable")
+        pairs, found = grown(
+            8 * len(low) + 16,
+            lambda size: np.empty((size, 2), np.int64),
+            lambda room: self.call(find_close, order, low, high, reach, table.body, acts, room),
+        )
+        alone = np.flatnonzero(acts[table.body, table.body])
         on_walls = {}
         soft = np.flatnonzero(table.body < len(self.scene.body_names))
         for w, (axis, side, place, *_) in enumerate(self.walls.planes.tolist()):
@@ -232,8 +237,7 @@ class Proximity:
             end = (high if side > 0 else low)[soft, axis]
             near = soft[side * (at - end) < reach[axis]]
             on_walls[self.walls.first + w] = table.facets(near)
-        pairs = np.column_stack([a[met], b[met]])
-        return np.concatenate([pairs, np.column_stack([alone, alone])]), on_walls
+        return np.concatenate([pairs[:found], np.column_stack([alone, alone])]), on_walls
 
     def _select(self, table: Table, facets: np.ndarray) -> Near:
         """The cells and vertices of facets that may meet others; collective."""
@@ -322,26 +326,6 @@ class Proximity:
         order = np.lexsort((every["facet"], every["body"], surface.patch[every["facet"]]))
         self.candidates, self.moving = every[order], np.flatnonzero(marks)
         surface.now[near.facets[marks[near.facets] == 0]] = np.inf  # far until the next search
-
-
-def _beside(
-    body: np.ndarray, low: np.ndarray, high: np.ndarray, reach: np.ndarray, acts: np.ndarray
-) -> np.ndarray:
-    """Clusters near the box of a body on which theirs acts."""
-    bodies, first = np.unique(body, return_index=True)
-    if not len(first):
-        return np.empty(0, np.int64)
-    least, most = np.minimum.reduceat(low, first), np.maximum.reduceat(high, first)
-    found, ends = np.zeros(len(body), bool), np.append(first, len(body))
-    for a, b in close_pairs(least, most, reach).tolist():
-        if acts[bodies[a], bodies[b]] == 0:
-            continue
-        for own, its in ((a, b), (b, a)):
-            mine = slice(ends[own], ends[own + 1])
-            near = (low[mine] <= most[its] + reach).all(axis=1)
-            found[mine] |= near & (least[its] <= high[mine] + reach).all(axis=1)
-    found |= acts[body, body] != 0
-    return np.flatnonzero(found)
 
 
 def _least(comm: Communicator, values: np.ndarray) -> np.ndarray:
