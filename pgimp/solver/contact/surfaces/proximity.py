@@ -201,11 +201,9 @@ class Proximity:
 
     def all_displacements(self, rank: RankState, table: Table) -> np.ndarray:
         """Displacements of all surface vertices, (v, 3) float64; collective."""
-        if self._window is not rank.grid.window:
-            self._locate(rank, table)
-        own = self._records >= 0
-        motion = rank.grid.kept.values.reshape(-1, RECORD)
-        return self._everywhere(own, motion[self._records[own], U])
+        records = records_of(rank, table.numbers)
+        own, motion = records >= 0, rank.grid.kept.values.reshape(-1, RECORD)
+        return self._everywhere(own, motion[records[own], U])
 
     def update(
         self, rank: RankState, table: Table, acts: np.ndarray, rigid: Any, dt: float, rate: float
