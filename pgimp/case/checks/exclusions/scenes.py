@@ -99,9 +99,9 @@ SCENES = (
         "averaged is for particles with a size: points may leave a vertex of '{a.name}' hardly any "
         "mass", "take gimp, or lumped"),
     # Bodies exact to their surface.
-    Exclusion(f.exact_surface, f.cut_beside_current,
+    Exclusion(f.exact_surface, f.whole_beside_current,
         "is for all bodies in the initial configuration, if others are in the current one, but "
-        "'{b.name}' has another surface:", "take surface: exact for both, or surface: cut"),
+        "'{b.name}' is whole:", "take surface: cut for both"),
     *(
         Exclusion(f.exact_surface, feature, f"{why}:", "take surface: cut")
         for feature, why in (

@@ -9,12 +9,18 @@ from __future__ import annotations
 import numpy as np
 
 from pgimp.jit.rehearsal import needed
+from pgimp.kernels.contact.lagrangian.coupling import Coupling
+from pgimp.kernels.contact.lagrangian.pairs import ContactPairs
+from pgimp.kernels.contact.lagrangian.rows import Solved
+from pgimp.kernels.data.ledger import Ledger
+from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.contact.pairs import Pairs
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.lagrangian.bonds import interactions
 from pgimp.solver.contact.lagrangian.broad_phase import BroadPhase
 from pgimp.solver.contact.lagrangian.joint import Joint, join, merged
+from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact
 from pgimp.solver.contact.surfaces.contact import SurfaceContact
 from pgimp.solver.contact.surfaces.material import NearMaterial
 from pgimp.solver.contact.surfaces.table import Table
@@ -32,6 +38,7 @@ class MixedContact(SurfaceContact):
         self._broad_phase = BroadPhase(scene, comm, self._own_pairs, self._walls)
         self._at_vertices = self._contact._replace(pairs=self._own_pairs)
         self._material: NearMaterial | None = None
+        self._proximity.alone = True  # bodies in the current configuration may join all groups
 
     def moved(self) -> None:
         """See `NoContact.moved`."""
@@ -72,18 +79,32 @@ class MixedContact(SurfaceContact):
         """See `SurfaceContact._meet`."""
         near, material = self._proximity.near, self._material
         assert near is not None and material is not None
-        rigid, t, found = self.rigid_bodies, update.t, []
+        rigid, t = self.rigid_bodies, update.t
+        found: list[Joint | None] = []
         if needed(near.any):
-            found.append(self._joint(rank, update, table, near))
+            found.append(self._joint(rank, update, table))
         material.look(rank, table, rigid, t.dt, self._rate)
         assert material.near is not None
         if needed(material.near.any):
             met = material.meet(rank, rigid, self._holding(update))
             if met is not None:
-                found.append(self._pairs(met.surface, met.cells, met.every, met.vertices, t.dt))
+                step = t.dt, met.speed
+                found.append(self._pairs(met.surface, met.cells, met.every, met.vertices, step))
         found.append(self._between(rank, update))
         own = [joint for joint in found if joint is not None]
         self._act(rank, update, merged(own, len(self._selector.mirrors)) if own else None)
+
+    def _sweep(
+        self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved
+    ) -> None:
+        """See `LagrangianContact._sweep`; of all groups."""
+        LagrangianContact._sweep(self, free, pairs, coupling, solved)
+
+    def _book(
+        self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved, ledger: Ledger
+    ) -> None:
+        """See `LagrangianContact._book`; of all groups."""
+        LagrangianContact._book(self, free, pairs, coupling, solved, ledger)
 
     def _between(self, rank: RankState, update: VertexUpdate) -> Joint | None:
         """The pairs of bodies in the current configuration, on the root; collective."""

@@ -54,6 +54,7 @@ class Met(NamedTuple):
     surface: Surface  #: All facets, and for each of these one in the cell that moves its place.
     cells: SurfaceCells  #: The cells of facets, and these.
     vertices: ReferenceVertices  #: The vertices of both.
+    speed: float  #: Greatest component of a velocity: of all vertices of surfaces, and of material.
 
 
 class NearMaterial(Proximity):
@@ -88,11 +89,9 @@ class NearMaterial(Proximity):
         if self._pause >= 0:
             return
         p, order = rank.population.up_to_date(), rank.population.order
-        frame, inverse = self.scene.domain.frame, np.array(rank.grid.frame.inverse)
-        own = rank.grid.kept.values.reshape(-1, RECORD)[self._records[self._records >= 0]]
-        v = np.abs(own[:, KEPT_VELOCITY : KEPT_VELOCITY + len(inverse)]) * inverse
-        fastest = max(float(v.max(initial=0.0)), float(self.call(greatest_speed, frame, p, order)))
-        travel = max(greatest(self.comm, fastest), rate) * dt
+        frame = self.scene.domain.frame
+        fastest = greatest(self.comm, float(self.call(greatest_speed, frame, p, order)))
+        travel = max(fastest, self._speed(rank) / min(frame.cell), rate) * dt
         self._pause = int(max(1.0, min(LONGEST, TRAVEL / travel if travel > 0.0 else LONGEST))) - 1
         self._find_root(rank)
         near = self._near_clusters(rank, table, *self._boxes(rank, table, rigid))
@@ -102,6 +101,19 @@ class NearMaterial(Proximity):
         facets = table.facets(near)
         facets = facets[np.argsort(surface.patch[facets], kind="stable")]
         self.near = self._select(table, facets)
+
+    def _locate(self, rank: RankState, table: Table, facets: np.ndarray | None = None) -> None:
+        """See `Proximity._locate`; the root has all pairs."""
+        self._window, self._records = rank.grid.window, records_of(rank, table.numbers)
+        self._find_root(rank)
+        if self.near is not None:
+            self.near = self._select(table, self.near.facets)
+
+    def _speed(self, rank: RankState) -> float:
+        """Greatest component of a velocity of the surfaces' vertices; collective."""
+        own = rank.grid.kept.values.reshape(-1, RECORD)[self._records[self._records >= 0]]
+        v = own[:, KEPT_VELOCITY : KEPT_VELOCITY + self.scene.dimension]
+        return greatest(self.comm, float(np.abs(v).max(initial=0.0)))
 
     def _near_clusters(
         self, rank: RankState, table: Table, low: np.ndarray, high: np.ndarray
@@ -159,20 +171,22 @@ class NearMaterial(Proximity):
         if u is not None:
             call(move_facets, frame, rigid, surface, near.cells, u, near.facets, self.scratch)
             every, into = self._gaps(surface, near.facets, np.concatenate(parts))
-            low, marks = self._vertices(every, into)
+            low, marks = self._marked_vertices(every, into)
         numbers = np.ascontiguousarray(np.argwhere(marks) + np.append(low, 0))
         if self.comm.size > 1:
             numbers = self.comm.bcast(numbers, self.root)
         if not needed(len(numbers)):
             return None
-        found = self._read(rank, holding, numbers)
+        found, speed = self._read(rank, holding, numbers), self._speed(rank)
         if values is None or found is None:
             return None
         corners = np.zeros((len(every), 2 ** len(frame.cell)), np.int64)
         marks[marks > 0] = np.arange(len(numbers))
         call(choose_cells, frame, every, into, self._fields, (low, marks),
              np.ascontiguousarray(found.values["mass"]), corners)  # fmt: skip
-        return _joined(surface, near, ReferenceVertices(near.keys, values), every, corners, found)
+        speed = max(speed, float(np.abs(found.values["velocity"]).max(initial=0.0)))
+        known = ReferenceVertices(near.keys, values)
+        return Met(every, *_joined(surface, near, known, every, corners, found), speed)
 
     def _gaps(
         self, surface: Surface, facets: np.ndarray, table: np.ndarray
@@ -205,7 +219,9 @@ class NearMaterial(Proximity):
         order = np.lexsort((every["facet"], every["body"], surface.patch[every["facet"]]))
         return every[order], np.ascontiguousarray(into[order])
 
-    def _vertices(self, every: np.ndarray, into: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _marked_vertices(
+        self, every: np.ndarray, into: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         """The least vertex, and marks of those that may move places in other bodies."""
         frame, D = self.scene.domain.frame, self.scene.dimension
         low, extent, last = np.zeros(3, np.int64), np.ones(3, np.int64), np.array(frame.cells) - 1
@@ -242,7 +258,7 @@ class NearMaterial(Proximity):
 def _joined(
     surface: Surface, near: Near, known: ReferenceVertices, every: np.ndarray,
     corners: np.ndarray, found: ReferenceVertices,
-) -> Met:  # fmt: skip
+) -> tuple[Surface, SurfaceCells, ReferenceVertices]:  # fmt: skip
     """Facets, cells and vertices with those of the other bodies behind them."""
     n, size = corners.shape
     last, cells = len(surface.cell), near.cells
@@ -259,4 +275,4 @@ def _joined(
     vertices = ReferenceVertices(
         np.concatenate([known.keys, found.keys]), np.concatenate([known.values, found.values])
     )
-    return Met(every, both, more, vertices)
+    return both, more, vertices
