@@ -8,7 +8,15 @@ from pgimp.jit.kernel import inlined, inner_kernel, kernel
 from pgimp.kernels.contact.books import book, losses_of
 from pgimp.kernels.contact.lagrangian.gauss_seidel import impulse_of, load_pair
 from pgimp.kernels.contact.lagrangian.reference_grid import key_bits, offset_of_key, turns
-from pgimp.kernels.data.ledger import CONTACT_AREA, WALL_HEAT, WALL_LOSS
+from pgimp.kernels.data.ledger import (
+    CONTACT_AREA,
+    MOMENT,
+    PLACED,
+    PLACES,
+    PRESSED,
+    WALL_HEAT,
+    WALL_LOSS,
+)
 from pgimp.kernels.data.record import ACCELERATION, MASS, RECORD, VELOCITY
 from pgimp.kernels.data.velocity_fields import field_count
 from pgimp.kernels.grid.conditions import Holding, hold
@@ -110,6 +118,19 @@ def book_contacts(contact, free, contact_pairs, coupling, solved, walls, ledger)
             continue
         place = contact_pairs.rigid[k, 2]
         book(contact, free, ((0, 0, 0), place), 0, 1.0, True, ledger, 0)
+        first = PLACES * (end.law - 1)
+        if first < ledger.contact_moments.shape[1]:
+            _book_place(row, place, ledger.contact_moments[0, first : first + PLACES])
+
+
+@inner_kernel
+def _book_place(row, x, booked):
+    """Book the moment of a pair on its first body, and where it presses."""
+    for d in range(3):
+        e, f = (d + 1) % 3, (d + 2) % 3
+        booked[MOMENT, d] -= x[e] * impulse_of(row, f) - x[f] * impulse_of(row, e)
+        booked[PLACED, d] += row.normal_impulse * x[d]
+    booked[PRESSED, 0] += row.normal_impulse
 
 
 @inner_kernel

@@ -235,7 +235,11 @@ class LagrangianContact(NoContact):
         if len(mirrors):
             call(book_mirrored, pairs, coupling, mirrors, ledger)
         call(book_contacts, contact, free, pairs, coupling, solved, self._walls, ledger)
+        self._add_loads(pairs, coupling, solved)
         return changes
+
+    def _add_loads(self, pairs: ContactPairs, coupling: Coupling, solved: Solved) -> None:
+        """Note what pairs have exchanged, on the rank that solves."""
 
     def _find(self, near: Near, t: Step) -> tuple[ContactPairs, Coupling]:
         """Find the candidate pairs in this rank's share, and their rows of B."""

@@ -18,17 +18,22 @@ from pgimp.kernels.contact.lagrangian.reference_grid import (
     change_velocities,
     read_reference_vertices,
 )
+from pgimp.kernels.contact.lagrangian.rows import Solved
+from pgimp.kernels.contact.surfaces.data import no_facets
 from pgimp.kernels.contact.surfaces.gaps import find_gaps
+from pgimp.kernels.contact.surfaces.loads import add_loads
 from pgimp.kernels.contact.surfaces.motion import move_facets
 from pgimp.kernels.contact.surfaces.rows import find_patch_pairs
 from pgimp.kernels.data.ledger import CONTACT_AREA
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
+from pgimp.solver.contact.base import NoContact
 from pgimp.solver.contact.grown import grown
 from pgimp.solver.contact.lagrangian.joint import Joint, share
 from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact, nothing_held
 from pgimp.solver.contact.lagrangian.selected import flat
+from pgimp.solver.contact.surfaces.loads import SurfaceLoads
 from pgimp.solver.contact.surfaces.proximity import Near, Proximity
 from pgimp.solver.contact.surfaces.table import Table, table_of
 from pgimp.solver.rank_state import RankState
@@ -48,26 +53,44 @@ class SurfaceContact(LagrangianContact):
 
     def __init__(self, scene: Scene, comm: Communicator) -> None:
         super().__init__(scene, comm)
-        self._proximity = Proximity(scene, comm, self._walls)
+        self.proximity = Proximity(scene, comm, self._walls)
         self._table: Table | None = None
         self._slaves: object = None
-        self._acts = np.zeros((0, 0), np.uint8)
+        self.acts = np.zeros((0, 0), np.uint8)
         self._rate = 0.0
+        #: SurfaceLoads or None: Loads on facets, where the case asks for frames of surfaces.
+        self.loads = SurfaceLoads(comm) if scene.case.output.surface else None
+        self._every = no_facets(0)
         if not self.free:
             self._accuracy = SWEEPS, TOLERANCE
 
     def moved(self) -> None:
         """See `NoContact.moved`."""
-        self._proximity.relocate()
+        self.proximity.relocate()
 
     @property
     def search(self) -> np.ndarray:
         """See `NoContact.search`."""
-        return self._proximity.state
+        return self.proximity.state
 
     def restore_search(self, search: np.ndarray) -> None:
         """See `NoContact.restore_search`."""
-        self._proximity.restore(search)
+        self.proximity.restore(search)
+
+    @property
+    def surface_loads(self) -> np.ndarray:
+        """See `NoContact.surface_loads`."""
+        return self.loads.stored if self.loads else super().surface_loads
+
+    def restore_loads(self, loads: np.ndarray) -> None:
+        """See `NoContact.restore_loads`."""
+        if self.loads:
+            self.loads.restore(loads)
+
+    def follow(self, before: NoContact) -> None:
+        """See `NoContact.follow`."""
+        if self.loads and isinstance(before, SurfaceContact) and before.loads:
+            self.loads = before.loads
 
     def exchange(self, rank: RankState, update: VertexUpdate) -> None:
         """See `NoContact.exchange`."""
@@ -79,10 +102,12 @@ class SurfaceContact(LagrangianContact):
             every.at(t.start, t.end, free.states if free else None)  # in place
         if free:
             free.begin(rigid_bodies, t, forcing.gravity)
-        table, rate = self._known(rank), max(every.rate, free.rate if free else 0.0)
+        table, rate = self.known(rank), max(every.rate, free.rate if free else 0.0)
         self._rate = rate
-        self._proximity.update(rank, table, self._acts, rigid_bodies, t.dt, rate)
-        near = self._proximity.near
+        self.proximity.update(rank, table, self.acts, rigid_bodies, t.dt, rate)
+        if self.loads:
+            self.loads.begin(table.surface, self.proximity.root, t.dt)
+        near = self.proximity.near
         assert near is not None
         if needed(near.any):
             self._act(rank, update, table, near)
@@ -91,13 +116,13 @@ class SurfaceContact(LagrangianContact):
         if free:
             free.end(rigid_bodies, t.dt)
 
-    def _known(self, rank: RankState) -> Table:
+    def known(self, rank: RankState) -> Table:
         """The surfaces of all bodies; collective when they have to be found."""
         slaves = rank.slaves.keys if rank.slaves else None
         if self._table is None or self._slaves is not slaves:
             self._table, self._slaves = table_of(rank, self.fields), slaves
-            self._acts = self._looking()
-            self._proximity.restart()
+            self.acts = self._looking()
+            self.proximity.restart()
         return self._table
 
     def _looking(self) -> np.ndarray:
@@ -115,11 +140,11 @@ class SurfaceContact(LagrangianContact):
         """Find the gaps, solve for the impulses, and apply them; collective."""
         scene, contact, call, grid = self.scene, self._contact, self.call, rank.grid
         t, faces, forcing, ledger = update
-        frame, root = scene.domain.frame, self._proximity.root
+        frame, root = scene.domain.frame, self.proximity.root
         holding = Holding(faces, frame, forcing, contact.scratch_impulse, forcing.loads.relaxation)
         values = np.empty(len(near.own), REFERENCE_VERTEX)
         call(read_reference_vertices, holding, grid.field, near.keys[near.own], values)
-        u, every = self._proximity.displacements(rank, near), self._proximity.on_root(near, values)
+        u, every = self.proximity.displacements(rank, near), self.proximity.on_root(near, values)
         joint: Joint | None = None
         found = np.zeros(1, np.int64)
         if u is not None and every is not None:
@@ -144,12 +169,22 @@ class SurfaceContact(LagrangianContact):
         call(change_velocities, frame, grid.field, changes, forcing, ledger.work)
         call(book_held, holding, grid.field, changes, ledger)
 
+    def _add_loads(self, pairs: ContactPairs, coupling: Coupling, solved: Solved) -> None:
+        """See `LagrangianContact._add_loads`."""
+        if self.loads:
+            assert self._table is not None
+            self.call(
+                add_loads, self._contact, pairs, coupling, solved, self.scene.domain.frame,
+                self._table.surface, (self._every, self.proximity.moving),
+                (self._dt, self.loads.values),
+            )  # fmt: skip
+
     def _pairs(
         self, table: Table, near: Near, u: np.ndarray, values: np.ndarray, dt: float
     ) -> Joint:
         """The pairs of patches and other bodies, with their rows of B."""
         call, frame, surface = self.call, self.scene.domain.frame, table.surface
-        proximity, rigid, cells = self._proximity, self.rigid_bodies, near.cells
+        proximity, rigid, cells = self.proximity, self.rigid_bodies, near.cells
         every, scratch = proximity.candidates, proximity.scratch
         call(move_facets, frame, rigid, surface, cells, u, proximity.moving, scratch)
         far = proximity.far
@@ -160,8 +195,9 @@ class SurfaceContact(LagrangianContact):
         fastest = float(np.abs(values["velocity"]).max(initial=0.0)) + self._rate * min(frame.cell)
 
         def fill(coupling: Coupling) -> int:
+            self._every = every.copy()
             counts[0], counts[1], used = call(
-                find_patch_pairs, self._contact, frame, surface, cells, every.copy(), (dt, fastest),
+                find_patch_pairs, self._contact, frame, surface, cells, self._every, (dt, fastest),
                 vertices, (pairs, coupling),
             )  # fmt: skip
             return int(used)

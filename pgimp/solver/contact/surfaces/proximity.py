@@ -65,6 +65,8 @@ class Proximity:
         These facets, those near them on the other bodies; on the root.
     root : int
         The rank with the first layer, which finds the gaps.
+    reach : float
+        Distance within which facets are looked at.
     """
 
     def __init__(self, scene: Scene, comm: Communicator, walls: SeparatingWalls) -> None:
@@ -77,6 +79,7 @@ class Proximity:
         adheres = pairs.adhesion[:, 2].max(initial=0.0) if pairs else 0.0
         self.far = max(FARTHEST * cell.min(), adheres)
         self._reach = (2.0 * TRAVEL) * cell + self.far
+        self.reach = self._reach.max()
         self._pause, self._moved = 0, 0.0
         self._records = np.empty(0, np.int64)
         self._window: object = None
@@ -153,6 +156,12 @@ class Proximity:
             for some, values in self.comm.allgather((np.flatnonzero(own), u)):
                 found[some] = values
         return found
+
+    def present(self, rank: RankState, table: Table) -> np.ndarray:
+        """Displacements of all surface vertices now, (v, 3); collective."""
+        records = records_of(rank, table.numbers)
+        own = records >= 0
+        return self._everywhere(own, rank.grid.kept.values.reshape(-1, RECORD)[records[own], _U])
 
     def update(
         self, rank: RankState, table: Table, acts: np.ndarray, rigid: Any, dt: float, rate: float
@@ -291,7 +300,7 @@ class Proximity:
             return
         frame = self.scene.domain.frame
         call(move_facets, frame, rigid, surface, near.cells, u, near.facets, self.scratch)
-        marks, reach = np.zeros(len(surface.x), np.uint8), (self._reach.max(), frame.cell[0])
+        marks, reach = np.zeros(len(surface.x), np.uint8), (self.reach, frame.cell[0])
         call(mark_between, surface, (table.first, table.members), meeting, reach[0], marks)
         some = np.flatnonzero(marks)
         marks[:] = 0

@@ -1,0 +1,177 @@
+"""The surfaces of bodies that meet by them, for frames: where they are, with their loads."""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pgimp.jit.bound import Bound
+from pgimp.kernels.contact.surfaces.data import Surface, no_facets
+from pgimp.kernels.contact.surfaces.gaps import find_gaps
+from pgimp.kernels.contact.surfaces.loads import HEAT, IMPULSE, PRESSED, SLIP
+from pgimp.kernels.contact.surfaces.motion import move_facets
+from pgimp.kernels.contact.surfaces.search import find_meeting
+from pgimp.scene.bodies.facet_polygons import Polygons, polygons_of
+from pgimp.scene.bodies.surface_patches import Facets
+from pgimp.solver.contact.grown import grown
+from pgimp.solver.contact.surfaces.contact import SurfaceContact
+from pgimp.solver.contact.surfaces.table import Table, bins_of
+from pgimp.solver.rank import Rank
+
+
+class Sheet(NamedTuple):
+    """Surfaces at one time. Of a facet that is several cells each has its part of the area."""
+
+    position: np.ndarray  #: (points, 3) float64: Positions.
+    cells: np.ndarray  #: (cells, 2^(D - 1)) int64: Points of each cell.
+    #: dict of str to ndarray: Fields of cells: `body`, `normal`, `area`, and those of `SURFACE`.
+    fields: dict[str, np.ndarray]
+
+
+class Sheets:
+    """Makes the sheets of a run; polygons are found once."""
+
+    def __init__(self) -> None:
+        self.call = Bound()
+        self._surface: Surface | None = None
+        self._polygons: Polygons | None = None
+
+    def sheet(self, rank: Rank, time: float) -> tuple[int, Sheet | None]:
+        """The rank that has the present surfaces, and there the sheet; collective.
+
+        The loads begin anew with it.
+        """
+        contact = rank.contact
+        assert isinstance(contact, SurfaceContact)
+        assert contact.loads is not None
+        table, root = contact.known(rank), contact.proximity.root
+        u = contact.proximity.present(rank, table)
+        contact.loads.begin(table.surface, root)
+        loads, since = contact.loads.values.copy(), contact.loads.time
+        contact.loads.written()
+        if rank.comm.rank != root:
+            return root, None
+        if self._surface is not table.surface:
+            self._surface, surface = table.surface, table.surface
+            self._polygons = polygons_of(
+                Facets(surface.x, surface.normal, surface.area, surface.middle, surface.half,
+                       surface.patch),
+                surface.body, rank.scene.dimension,
+            )  # fmt: skip
+        assert self._polygons is not None
+        poses = rank.scene.interaction.rigid_bodies.poses(
+            time, rank.free.states if rank.free else []
+        )
+        gap = self._gaps(rank, contact, table, u, time)
+        return root, _sheet(rank, table, self._polygons, u, poses, _values(loads, since, gap))
+
+    def _gaps(
+        self, rank: Rank, contact: SurfaceContact, table: Table, u: np.ndarray, time: float
+    ) -> np.ndarray:
+        """Gaps of all facets, the least one of each; nan where nothing is near."""
+        near, call, frame = contact.proximity, self.call, rank.scene.domain.frame
+        found = np.full(len(table.surface.x), np.nan)
+        if not len(near.candidates):
+            return found
+        surface = table.surface._replace(
+            now=table.surface.now.copy(), turned=table.surface.turned.copy()
+        )
+        rigid = _placed(rank, contact.rigid_bodies, time)
+        call(move_facets, frame, rigid, surface, table.cells, u, near.moving, near.scratch)
+        reach, acts = (near.reach, frame.cell[0]), np.ascontiguousarray(contact.acts.T)
+        key_of, strides = bins_of(surface.now[near.moving], reach[0], rank.scene.dimension)
+        order, count = np.argsort(key_of, kind="stable"), len(acts)
+        bins, marks = (key_of, key_of[order], order, strides), np.zeros(len(found), np.uint8)
+        best = np.full(count, np.inf), np.empty(count, np.int64), np.empty(count, np.int64)
+        others, number = grown(
+            2 * len(near.moving) + 16,
+            no_facets,
+            lambda room: call(
+                find_meeting, surface, acts, near.moving, bins, reach, marks, best, room
+            ),
+        )
+        for every in (near.candidates.copy(), others[:number]):
+            call(find_gaps, frame, rigid, near.walls, surface, (table.cells, u), near.scratch,
+                 near.far, every)  # fmt: skip
+            some = every[np.isfinite(every["gap"])]
+            np.fmin.at(found, some["facet"], some["gap"])
+            if every is not others:  # of a body that meets itself one side looks for the other
+                own = some[some["other"] >= 0]
+                own = own[table.surface.body[own["facet"]] == own["body"]]
+                np.fmin.at(found, own["other"], own["gap"])
+        return found
+
+
+def _placed(rank: Rank, rigid: Any, time: float) -> Any:
+    """The rigid bodies where they are now; the arrays of the step stay as they are."""
+    if isinstance(rigid, tuple) and not rigid:
+        return rigid
+    every = rank.scene.interaction.rigid_bodies
+    states = rank.free.states if rank.free else []
+    now = rigid._replace(motion=rigid.motion.copy())
+    free = dict(zip(every.free, states, strict=True))
+    for number, pose in enumerate(every.poses(time, states)):
+        every.place(now.motion[number], number, pose, time, free)
+    return now
+
+
+def _values(loads: np.ndarray, since: float, gap: np.ndarray) -> dict[str, np.ndarray]:
+    """Fields of facets; those that are over the area are not divided by it yet."""
+    rate = 1.0 / since if since > 0.0 else 0.0
+    return {
+        "contact-pressure": loads[:, PRESSED] * rate,
+        "traction": loads[:, IMPULSE : IMPULSE + 3] * rate,
+        "gap": gap,
+        "slip": loads[:, SLIP].copy(),
+        "wear-work": loads[:, HEAT].copy(),
+    }
+
+
+def _sheet(
+    rank: Rank, table: Table, polygons: Polygons, u: np.ndarray, poses: Any, values: dict
+) -> Sheet:
+    """The sheet, given fields of facets and displacements of the surface vertices."""
+    surface, D = table.surface, rank.scene.dimension
+    size, cell = np.array(rank.scene.domain.frame.cell), surface.cell[polygons.facet]
+    position, soft = polygons.x.copy(), cell >= 0
+    place = np.zeros_like(position)
+    place[soft, :D] = (position[soft, :D] - table.cells.low[cell[soft], :D]) / size
+    for corner, weight, _ in _hats(D, place[soft], size):
+        position[soft] += weight[:, None] * u[table.cells.corners[cell[soft], corner]]
+    normal, area = surface.normal.copy(), surface.area.copy()
+    own = surface.cell >= 0
+    F = np.tile(np.eye(3), (int(own.sum()), 1, 1))
+    for corner, _, gradient in _hats(D, surface.place[own], size):
+        F += u[table.cells.corners[surface.cell[own], corner]][:, :, None] * gradient[:, None]
+    # The cofactor of F times the normal, as `turned_normal`.
+    cofactor = np.stack([np.cross(F[:, (i + 1) % 3], F[:, (i + 2) % 3]) for i in range(3)], axis=1)
+    turned = np.einsum("nij,nj->ni", cofactor, surface.normal[own])
+    length = np.sqrt((turned * turned).sum(axis=1))
+    normal[own], area[own] = turned / length[:, None], area[own] * length
+    rigid, first = rank.scene.interaction.rigid_bodies, len(rank.scene.body_names)
+    for number, (centre, turn) in enumerate(poses):
+        R = np.array(turn).reshape(3, 3).T
+        mine = surface.body == first + number
+        normal[mine] = normal[mine] @ R
+        points = mine[polygons.facet]
+        arm = position[points] - np.array(rigid.reference(number))
+        position[points] = arm @ R + np.array(centre)
+    of = polygons.of
+    fields = {"body": surface.body[of], "normal": normal[of], "area": area[of] * polygons.part}
+    for name, each in values.items():
+        whole = area if each.ndim == 1 else area[:, None]
+        fields[name] = (each if name in ("gap", "slip") else each / whole)[of]
+    return Sheet(position, polygons.cells, fields)
+
+
+def _hats(D: int, place: np.ndarray, size: np.ndarray) -> Any:
+    """Corners of a cell, with their weights at places, (n,), and gradients, (n, 3)."""
+    for corner, ends in enumerate(product((0, 1), repeat=D)):
+        each = [place[:, d] if end else 1.0 - place[:, d] for d, end in enumerate(ends)]
+        gradient = np.zeros((len(place), 3))
+        for d, end in enumerate(ends):
+            others = np.prod([w for j, w in enumerate(each) if j != d], axis=0)
+            gradient[:, d] = others * (1.0 if end else -1.0) / size[d]
+        yield corner, np.prod(each, axis=0), gradient
