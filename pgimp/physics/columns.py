@@ -49,7 +49,7 @@ SURFACE: dict[str, str] = {
     "gap": "distance to the other body, negative where they overlap; nan where none is near, and "
     "in the first frame [length]",
     "slip": "way that other bodies slid along it while they pressed, since the start [length]",
-    "wear-work": "heat of friction there since the start, over the area [energy/area]",
+    "wear-work": "heat of friction there since the start, over the area [stress length]",
 }
 """What ``output.surface`` may name, at the facets of surfaces."""
 

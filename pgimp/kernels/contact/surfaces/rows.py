@@ -229,6 +229,7 @@ def _set_pair(contact, surface, group, side, law, size, pair):
             continue
         every[n].weight = w
         whole += w
+        row.area += surface.area[s]
         for d in range(3):
             row.normal[d] += sign * w * every[n].normal[d]
             rigid[2, d] += w * surface.now[s, d]
@@ -242,7 +243,8 @@ def _set_pair(contact, surface, group, side, law, size, pair):
     row.adhesion, row.shear_adhesion = normal * glued * dt, shear * glued * dt
     for n in range(first, last):
         every[n].weight /= whole
-    row.area = max(pressed_area(surface, every, first, last, side, least, cell), glued)
+    pressed = pressed_area(surface, every, first, last, side, least, cell)
+    row.area = max(row.area, pressed, glued)
     return True
 
 
