@@ -17,8 +17,12 @@ from pgimp.scene.bodies.facet_polygons import Polygons, polygons_of
 from pgimp.scene.bodies.surface_patches import Facets
 from pgimp.solver.contact.grown import grown
 from pgimp.solver.contact.surfaces.contact import SurfaceContact
+from pgimp.solver.contact.surfaces.smooth import Smoothed, smooth
 from pgimp.solver.contact.surfaces.table import Table, bins_of
 from pgimp.solver.rank import Rank
+
+#: Cells of gap below which a facet is next to those under load.
+_CLOSE = 0.01
 
 
 class Sheet(NamedTuple):
@@ -28,6 +32,15 @@ class Sheet(NamedTuple):
     cells: np.ndarray  #: (cells, 2^(D - 1)) int64: Points of each cell.
     #: dict of str to ndarray: Fields of cells: `body`, `normal`, `area`, and those of `SURFACE`.
     fields: dict[str, np.ndarray]
+
+
+class Now(NamedTuple):
+    """Facets and points where they are."""
+
+    x: np.ndarray  #: (facets, 3) float64: Centroids.
+    normal: np.ndarray  #: (facets, 3) float64: Unit normals.
+    area: np.ndarray  #: (facets,) float64: Areas.
+    points: np.ndarray  #: (points, 3) float64: Points of polygons.
 
 
 class Sheets:
@@ -65,7 +78,9 @@ class Sheets:
             time, rank.free.states if rank.free else []
         )
         gap = self._gaps(rank, contact, table, u, time)
-        return root, _sheet(rank, table, self._polygons, u, poses, _values(loads, since, gap))
+        now = _now(rank, table, self._polygons, u, poses)
+        self._smooth(rank, table.surface, now, loads, gap)
+        return root, _sheet(table.surface, self._polygons, now, _values(loads, since, gap))
 
     def _gaps(
         self, rank: Rank, contact: SurfaceContact, table: Table, u: np.ndarray, time: float
@@ -103,6 +118,21 @@ class Sheets:
                 np.fmin.at(found, own["other"], own["gap"])
         return found
 
+    def _smooth(
+        self, rank: Rank, surface: Surface, now: Now, loads: np.ndarray, gap: np.ndarray
+    ) -> None:
+        """Make impulses and heat smooth, in place."""
+        side = min(rank.scene.domain.frame.cell)
+        near = (loads[:, PRESSED] != 0.0) | (gap < _CLOSE * side)
+        for columns, some in (
+            (slice(IMPULSE, PRESSED + 1), near),
+            (slice(HEAT, HEAT + 1), loads[:, HEAT] > 0.0),
+        ):
+            facets = Smoothed(now.x[some], now.normal[some], now.area[some], surface.body[some])
+            loads[some, columns] = smooth(
+                self.call, facets, loads[some, columns], side, rank.scene.dimension
+            )
+
 
 def _placed(rank: Rank, rigid: Any, time: float) -> Any:
     """The rigid bodies where they are now; the arrays of the step stay as they are."""
@@ -129,22 +159,22 @@ def _values(loads: np.ndarray, since: float, gap: np.ndarray) -> dict[str, np.nd
     }
 
 
-def _sheet(
-    rank: Rank, table: Table, polygons: Polygons, u: np.ndarray, poses: Any, values: dict
-) -> Sheet:
-    """The sheet, given fields of facets and displacements of the surface vertices."""
+def _now(rank: Rank, table: Table, polygons: Polygons, u: np.ndarray, poses: Any) -> Now:
+    """Where facets and points are, given displacements of the surface vertices."""
     surface, D = table.surface, rank.scene.dimension
     size, cell = np.array(rank.scene.domain.frame.cell), surface.cell[polygons.facet]
-    position, soft = polygons.x.copy(), cell >= 0
-    place = np.zeros_like(position)
-    place[soft, :D] = (position[soft, :D] - table.cells.low[cell[soft], :D]) / size
+    points, soft = polygons.x.copy(), cell >= 0
+    place = np.zeros_like(points)
+    place[soft, :D] = (points[soft, :D] - table.cells.low[cell[soft], :D]) / size
     for corner, weight, _ in _hats(D, place[soft], size):
-        position[soft] += weight[:, None] * u[table.cells.corners[cell[soft], corner]]
-    normal, area = surface.normal.copy(), surface.area.copy()
+        points[soft] += weight[:, None] * u[table.cells.corners[cell[soft], corner]]
+    x, normal, area = surface.x.copy(), surface.normal.copy(), surface.area.copy()
     own = surface.cell >= 0
     F = np.tile(np.eye(3), (int(own.sum()), 1, 1))
-    for corner, _, gradient in _hats(D, surface.place[own], size):
-        F += u[table.cells.corners[surface.cell[own], corner]][:, :, None] * gradient[:, None]
+    for corner, weight, gradient in _hats(D, surface.place[own], size):
+        moved = u[table.cells.corners[surface.cell[own], corner]]
+        x[own] += weight[:, None] * moved
+        F += moved[:, :, None] * gradient[:, None]
     # The cofactor of F times the normal, as `turned_normal`.
     cofactor = np.stack([np.cross(F[:, (i + 1) % 3], F[:, (i + 2) % 3]) for i in range(3)], axis=1)
     turned = np.einsum("nij,nj->ni", cofactor, surface.normal[own])
@@ -152,18 +182,24 @@ def _sheet(
     normal[own], area[own] = turned / length[:, None], area[own] * length
     rigid, first = rank.scene.interaction.rigid_bodies, len(rank.scene.body_names)
     for number, (centre, turn) in enumerate(poses):
-        R = np.array(turn).reshape(3, 3).T
+        R, reference = np.array(turn).reshape(3, 3).T, np.array(rigid.reference(number))
         mine = surface.body == first + number
         normal[mine] = normal[mine] @ R
-        points = mine[polygons.facet]
-        arm = position[points] - np.array(rigid.reference(number))
-        position[points] = arm @ R + np.array(centre)
+        x[mine] = (x[mine] - reference) @ R + np.array(centre)
+        some = mine[polygons.facet]
+        points[some] = (points[some] - reference) @ R + np.array(centre)
+    return Now(x, normal, area, points)
+
+
+def _sheet(surface: Surface, polygons: Polygons, now: Now, values: dict[str, np.ndarray]) -> Sheet:
+    """The sheet, given fields of facets."""
     of = polygons.of
-    fields = {"body": surface.body[of], "normal": normal[of], "area": area[of] * polygons.part}
+    fields = {"body": surface.body[of], "normal": now.normal[of]}
+    fields["area"] = now.area[of] * polygons.part
     for name, each in values.items():
-        whole = area if each.ndim == 1 else area[:, None]
+        whole = now.area if each.ndim == 1 else now.area[:, None]
         fields[name] = (each if name in ("gap", "slip") else each / whole)[of]
-    return Sheet(position, polygons.cells, fields)
+    return Sheet(now.points, polygons.cells, fields)
 
 
 def _hats(D: int, place: np.ndarray, size: np.ndarray) -> Any:
