@@ -51,8 +51,8 @@ def test_brake_pad_slides_and_wears(runs):
     results = runs("brake-pad")
     history = results.history
     late = history["time"] > 0.01
-    ratio = -history["contact.pad+rail-x"] / history["contact.pad+rail-y"]
-    assert ratio[late] == pytest.approx(0.3, rel=0.02)
+    along, across = (history[f"contact.pad+rail-{axis}"][late] for axis in "xy")
+    assert -along / across == pytest.approx(0.3, rel=0.02)
     with h5py.File(results.path / "frames" / f"surface-{len(results) - 1:06d}.h5") as file:
         body, work, area = (file[name][:] for name in ("body", "wear-work", "area"))
         normal, pressure = file["normal"][:, 1], file["contact-pressure"][:]
