@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from pgimp.case.checks.exact_surfaces import exact_surfaces
 from pgimp.case.checks.rigid_bodies import meet_by_surfaces
 from pgimp.case.escape import exits_of
 from pgimp.case.schema import Case
@@ -60,8 +61,9 @@ class Settings:
         self.initial = bool(self.lagrangian.all())
         self.mixed = bool(self.lagrangian.any()) and not self.initial
         method = case.method
-        self.exact_surfaces = np.array([b.surface == "exact" for b in case.bodies.values()], bool)
-        self.by_surfaces = meet_by_surfaces(case.bodies, case.geometry, case.boundaries)
+        self.exact_surfaces = np.array(exact_surfaces(case), bool)
+        by = case.bodies, method, case.geometry, case.boundaries
+        self.by_surfaces = meet_by_surfaces(*by)
         self.shape = (method.fixed if self.initial else method.parameters)(tuple(case.grid.cell))
         self.uncut = self.shape
         if self.exact_surfaces.any():  # whole particles have the same weights

@@ -37,7 +37,7 @@ _VECTORS = ("normal", "traction")
 class SurfaceFrames(Series):
     """Writes the surfaces of bodies, if the case asks for them, and the files that list them.
 
-    They have the numbers of the particles' frames. The rank that finds gaps writes them.
+    They have the numbers of the particles' frames. Rank 0 has all surfaces, and writes them.
 
     Parameters
     ----------
@@ -86,9 +86,9 @@ class SurfaceFrames(Series):
         path = self.folder / f"surface-{number:06d}.h5"
         part, what = temporary(path), f"write the frame {path} at step {sim.step}"
         time, step = float(sim.time), int(sim.step)
-        root, sheet = self._sheets.sheet(sim.rank, time)
+        sheet = self._sheets.sheet(sim.rank, time)
         counts = (len(sheet.position), len(sheet.cells)) if sheet else (0, 0)
-        points, cells = self.comm.bcast(counts, root)
+        points, cells = self.comm.bcast(counts)
         attributes = self._attributes | {"time": time, "step": np.int64(step)}
         shapes = {name: self._shape(name) for name in ("position", *self.fields)}
         meaning = {"position": "position [length]"} | _ALWAYS | SURFACE

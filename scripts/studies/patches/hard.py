@@ -11,7 +11,7 @@ from studies.scenes import ball, box, case_of, core
 
 def depth(sim):
     """Greatest depth of a facet in another body now, in cells."""
-    gaps = sim.rank.contact.proximity.candidates["gap"]
+    gaps = sim.rank.contact._proximity.candidates["gap"]
     gaps = gaps[np.isfinite(gaps)]
     return float(-gaps.min(initial=0.0)) / min(sim.scene.domain.frame.cell)
 

@@ -96,8 +96,20 @@ def _find_pressure(surface, group, place, tangents, cell):
 
 
 @inner_kernel
-def _give(row, part, impulse, pressed, speed, heat):
-    """Add a part of what a pair has exchanged to a facet's loads."""
+def _row(rows, f, key):
+    """Row of a facet's loads, of rigid bodies with prescribed motion by the other body, `key`."""
+    _, slot, first, _ = rows
+    return f if slot[f] < 0 else first[key] + slot[f]
+
+
+@inner_kernel
+def _give(rows, r, part, given):
+    """Add a part of what a pair has exchanged to a row of loads."""
+    (loads, _, _, touched), (impulse, pressed, speed, heat) = rows, given
+    row = loads[r]
+    if row[_NOW] == 0.0 and part * abs(pressed) > 0.0:
+        touched[0] += 1
+        touched[touched[0]] = r
     for d in range(3):
         row[IMPULSE + d] += part * impulse[d]
     row[PRESSED] += part * pressed
@@ -122,9 +134,9 @@ def _width(D, surface, f):
 
 
 @inner_kernel
-def _give_other(D, surface, s, f, loads, part, given):
+def _give_other(D, surface, s, f, rows, part, given):
     """Give a part of a load at facet `s` to the facets around facet `f` of the other body."""
-    (impulse, pressed, speed, heat), whole = given, 0.0
+    whole, key = 0.0, surface.body[s]
     width = max(_width(D, surface, s), _width(D, surface, f))
     if D > 1:
         whole = _near(D, surface, s, f, width)
@@ -132,16 +144,16 @@ def _give_other(D, surface, s, f, loads, part, given):
             if _same(surface, f, surface.beside[k]):
                 whole += _near(D, surface, s, surface.beside[k], width)
     if not whole > 0.0:
-        _give(loads[f], part, impulse, pressed, speed, heat)
+        _give(rows, _row(rows, f, key), part, given)
         return
     own = _near(D, surface, s, f, width) / whole
-    _give(loads[f], part * own, impulse, pressed, speed, heat)
+    _give(rows, _row(rows, f, key), part * own, given)
     for k in range(surface.start[f], surface.start[f + 1]):
         m = surface.beside[k]
         if _same(surface, f, m):
             share = part * _near(D, surface, s, m, width) / whole
             if share > 0.0:
-                _give(loads[m], share, impulse, pressed, speed, heat)
+                _give(rows, _row(rows, m, key), share, given)
 
 
 @inner_kernel
@@ -154,7 +166,7 @@ def _same(surface, f, m):
 
 
 @kernel
-def add_loads(contact, contact_pairs, coupling, solved, frame, surface, near, step):
+def add_loads(contact, contact_pairs, coupling, solved, frame, surface, every, step):
     """Add what pairs have exchanged in a step to the loads of their facets.
 
     Parameters
@@ -163,13 +175,15 @@ def add_loads(contact, contact_pairs, coupling, solved, frame, surface, near, st
         See `pgimp.kernels.contact.lagrangian.gauss_seidel.solve_impulses`, with the impulses.
     surface : Surface
         The facets, where they are.
-    near : ((n,) NEAR_FACET, (k,) int64)
-        Facets with gaps and sides, in the order of the pairs; all facets that may have loads.
-    step : (float, (facets, LOADS) float64)
-        Length of the step, and the loads.
+    every : (n,) NEAR_FACET
+        Facets with gaps and sides, in the order of the pairs.
+    step : (float, (rows, LOADS) float64, (facets,) int64, (bodies,) int64, (rows + 1,) int64)
+        Length of the step; the loads; numbers of the facets of rigid bodies with prescribed motion,
+        -1 of others; the first row of these for each other body; scratch.
     """
-    D, (every, moving), (dt, loads), first, last = len(frame.cell), near, step, 0, 0
-    cell = frame.cell[0]
+    D, (dt, loads, slot, begin, touched), first, last = len(frame.cell), step, 0, 0
+    rows, cell = (loads, slot, begin, touched), frame.cell[0]
+    touched[0] = 0
     for d in range(D):
         cell = min(cell, frame.cell[d])
     for k in range(len(contact_pairs.ends)):
@@ -215,12 +229,12 @@ def add_loads(contact, contact_pairs, coupling, solved, frame, surface, near, st
             q += c * _along(surface.now[s], place, tangents[1])
             part = pressing(surface, every[n], side, least, cell) * max(0.0, q)
             if part > 0.0:
-                _give(loads[s], part, own, pressed, sqrt(square), heat)
+                given = (own, pressed, sqrt(square), heat)
+                _give(rows, _row(rows, s, every[n].body), part, given)
                 if every[n].other >= 0:
                     given = (other, pressed, sqrt(square), heat)
-                    _give_other(D, surface, s, every[n].other, loads, part, given)
-    for n in range(len(moving)):
-        load = loads[moving[n]]
-        if load[_NOW] > 0.0:
-            load[SLIP] += dt * load[_RATE] / load[_NOW]
+                    _give_other(D, surface, s, every[n].other, rows, part, given)
+    for n in range(touched[0]):
+        load = loads[touched[1 + n]]
+        load[SLIP] += dt * load[_RATE] / load[_NOW]
         load[_NOW] = load[_RATE] = 0.0

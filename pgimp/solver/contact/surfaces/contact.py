@@ -11,9 +11,11 @@ import numpy as np
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.lagrangian.books import book_held
 from pgimp.kernels.contact.lagrangian.coupling import Coupling
+from pgimp.kernels.contact.lagrangian.gauss_seidel import IMPULSES
 from pgimp.kernels.contact.lagrangian.pairs import ContactPairs
 from pgimp.kernels.contact.lagrangian.reference_grid import (
     REFERENCE_VERTEX,
+    Changes,
     ReferenceVertices,
     change_velocities,
     read_reference_vertices,
@@ -21,22 +23,35 @@ from pgimp.kernels.contact.lagrangian.reference_grid import (
 from pgimp.kernels.contact.lagrangian.rows import Solved
 from pgimp.kernels.contact.surfaces.data import no_facets
 from pgimp.kernels.contact.surfaces.gaps import find_gaps
+from pgimp.kernels.contact.surfaces.groups import book_groups, solve_groups
 from pgimp.kernels.contact.surfaces.loads import add_loads
 from pgimp.kernels.contact.surfaces.motion import move_facets
 from pgimp.kernels.contact.surfaces.rows import find_patch_pairs
-from pgimp.kernels.data.ledger import CONTACT_AREA
+from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
+from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.base import NoContact
 from pgimp.solver.contact.grown import grown
-from pgimp.solver.contact.lagrangian.joint import Joint, share
+from pgimp.solver.contact.lagrangian.joint import Joint
 from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact, nothing_held
+from pgimp.solver.contact.lagrangian.messages import greatest
 from pgimp.solver.contact.lagrangian.selected import flat
+from pgimp.solver.contact.surfaces.groups import (
+    Grouped,
+    add_books,
+    books_of,
+    labels_of,
+    share_changes,
+)
+from pgimp.solver.contact.surfaces.kept_forces import KeptForces
 from pgimp.solver.contact.surfaces.loads import SurfaceLoads
-from pgimp.solver.contact.surfaces.proximity import Near, Proximity
+from pgimp.solver.contact.surfaces.overrun import OverrunWatch
+from pgimp.solver.contact.surfaces.proximity import Proximity, Share, U
 from pgimp.solver.contact.surfaces.table import Table, table_of
 from pgimp.solver.rank_state import RankState
+from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import VertexUpdate
 
 #: The most sweeps over all pairs in a step, and the relative change of impulses that ends them. To
@@ -47,35 +62,39 @@ SWEEPS, TOLERANCE = 200, 1e-6
 class SurfaceContact(LagrangianContact):
     """Contact by surfaces: patches of one body, and the nearest facets of another.
 
-    The rank with the first layer finds the gaps, and solves for the impulses, from the vertices of
-    all ranks near contact. So nothing depends on the ranks.
+    Each connected group of bodies has a rank that finds its gaps, and solves for its impulses, from
+    the vertices of all ranks near contact. What it finds depends on the group alone.
     """
 
     def __init__(self, scene: Scene, comm: Communicator) -> None:
         super().__init__(scene, comm)
-        self.proximity = Proximity(scene, comm, self._walls)
+        self._proximity = Proximity(scene, comm, self._walls)
         self._table: Table | None = None
         self._slaves: object = None
-        self.acts = np.zeros((0, 0), np.uint8)
+        self._acts = np.zeros((0, 0), np.uint8)
         self._rate = 0.0
         #: SurfaceLoads or None: Loads on facets, where the case asks for frames of surfaces.
         self.loads = SurfaceLoads(comm) if scene.case.output.surface else None
         self._every = no_facets(0)
+        rigid_bodies = scene.interaction.rigid_bodies
+        self._watch = OverrunWatch(scene, [*scene.body_names, *rigid_bodies.names])
+        self._warm_start: KeptForces = KeptForces(comm)
+        self._books = np.empty(0, np.int64), Ledger.empty(0, 0, 0)
         if not self.free:
             self._accuracy = SWEEPS, TOLERANCE
 
     def moved(self) -> None:
         """See `NoContact.moved`."""
-        self.proximity.relocate()
+        self._proximity.relocate()
 
     @property
     def search(self) -> np.ndarray:
         """See `NoContact.search`."""
-        return self.proximity.state
+        return self._proximity.state
 
     def restore_search(self, search: np.ndarray) -> None:
         """See `NoContact.restore_search`."""
-        self.proximity.restore(search)
+        self._proximity.restore(search)
 
     @property
     def surface_loads(self) -> np.ndarray:
@@ -92,6 +111,25 @@ class SurfaceContact(LagrangianContact):
         if self.loads and isinstance(before, SurfaceContact) and before.loads:
             self.loads = before.loads
 
+    @property
+    def proximity(self) -> Proximity:
+        """What is near."""
+        return self._proximity
+
+    @property
+    def acts(self) -> np.ndarray:
+        """Whether facets of a body look for another's, (bodies, bodies) uint8."""
+        return self._acts
+
+    def overrun(self, rank: RankState, done: Step) -> list[str]:
+        """See `NoContact.overrun`."""
+        if self._table is None or not self._watch.due(done):
+            return []
+        u = self._proximity.all_displacements(rank, self._table)
+        if self.comm.rank > 0:
+            return []
+        return self._watch.look(self._table, self._acts, u, self.rigid_bodies, done)
+
     def exchange(self, rank: RankState, update: VertexUpdate) -> None:
         """See `NoContact.exchange`."""
         rigid_bodies, free = self.rigid_bodies, self.free
@@ -104,13 +142,17 @@ class SurfaceContact(LagrangianContact):
             free.begin(rigid_bodies, t, forcing.gravity)
         table, rate = self.known(rank), max(every.rate, free.rate if free else 0.0)
         self._rate = rate
-        self.proximity.update(rank, table, self.acts, rigid_bodies, t.dt, rate)
+        if self._proximity.update(rank, table, self._acts, rigid_bodies, t.dt, rate):
+            self._warm_start.divide(self._proximity.has)
+            if self.loads:
+                proximity = self._proximity
+                self.loads.divide(table.surface, proximity.labels, proximity.groups, proximity.met)
         if self.loads:
-            self.loads.begin(table.surface, self.proximity.root, t.dt)
-        near = self.proximity.near
+            self.loads.time += t.dt
+        near = self._proximity.near
         assert near is not None
         if needed(near.any):
-            self._act(rank, update, table, near)
+            self._act(rank, update, table)
         else:
             self._warm_start.clear()
         if free:
@@ -121,8 +163,9 @@ class SurfaceContact(LagrangianContact):
         slaves = rank.slaves.keys if rank.slaves else None
         if self._table is None or self._slaves is not slaves:
             self._table, self._slaves = table_of(rank, self.fields), slaves
-            self.acts = self._looking()
-            self.proximity.restart()
+            self._acts = self._looking()
+            self._proximity.restart()
+            self._proximity.labels = labels_of(self.scene, self.groups, len(self._walls.planes))
         return self._table
 
     def _looking(self) -> np.ndarray:
@@ -136,63 +179,80 @@ class SurfaceContact(LagrangianContact):
         acts[soft, soft] &= (groups[:, None] != groups) | np.eye(len(groups), dtype=bool)
         return acts.astype(np.uint8)
 
-    def _act(self, rank: RankState, update: VertexUpdate, table: Table, near: Near) -> None:
+    def _act(self, rank: RankState, update: VertexUpdate, table: Table) -> None:
         """Find the gaps, solve for the impulses, and apply them; collective."""
         scene, contact, call, grid = self.scene, self._contact, self.call, rank.grid
         t, faces, forcing, ledger = update
-        frame, root = scene.domain.frame, self.proximity.root
+        frame, share = scene.domain.frame, self._proximity.share
         holding = Holding(faces, frame, forcing, contact.scratch_impulse, forcing.loads.relaxation)
-        values = np.empty(len(near.own), REFERENCE_VERTEX)
-        call(read_reference_vertices, holding, grid.field, near.keys[near.own], values)
-        u, every = self.proximity.displacements(rank, near), self.proximity.on_root(near, values)
-        joint: Joint | None = None
-        found = np.zeros(1, np.int64)
-        if u is not None and every is not None:
-            joint = self._pairs(table, near, u, every, t.dt)
-            found[0] = len(joint.pairs.ends)
-        if self.comm.size > 1:
-            self.comm.Bcast(found, root)
-        if not needed(found[0]):
-            self._warm_start.clear()
-            return
-        self._warm_start.move_to(root)
-        changes = None
-        if joint is not None:
+        values = np.empty(len(share.records), REFERENCE_VERTEX)
+        call(read_reference_vertices, holding, grid.field, share.sent, values)
+        speed = greatest(self.comm, float(np.abs(values["velocity"]).max(initial=0.0)))
+        u = np.ascontiguousarray(grid.kept.values.reshape(-1, RECORD)[share.records, U])
+        u, values = share.gather(self.comm, u), share.gather(self.comm, values)
+        joint = self._pairs(table, share, u, values, (t.dt, speed))
+        self._books = np.empty(0, np.int64), books_of(ledger, 0)
+        changes = Changes(np.empty(0, np.int64), *np.empty((2, 0, 3)))
+        if needed(len(joint.pairs.ends)):
             changes = self._solve(joint, nothing_held(holding), ledger)
         else:
             self._warm_start.clear()
-        if self.comm.size > 1:
-            answers = self.rigid_bodies.responses["trial_impulse"] if self.free else np.empty(0)
-            changes = share(self.comm, root, changes, answers)
-        assert changes is not None
+        add_books(self.comm, self._proximity.root, *self._books, ledger)
+        answers = self.rigid_bodies.responses["trial_impulse"] if self.free else np.empty(0)
+        changes = share_changes(self.comm, changes, answers)
+        if not needed(len(changes.keys)):
+            return
         self.changes = changes
         call(change_velocities, frame, grid.field, changes, forcing, ledger.work)
         call(book_held, holding, grid.field, changes, ledger)
 
-    def _add_loads(self, pairs: ContactPairs, coupling: Coupling, solved: Solved) -> None:
-        """See `LagrangianContact._add_loads`."""
+    def _sweep(
+        self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved
+    ) -> None:
+        """See `LagrangianContact._sweep`; the sweeps of each group end by themselves."""
+        contact, call = self._contact, self.call
+        self._warm_start.begin(contact, pairs, coupling, solved, self._dt)
+        grouped, scratch = Grouped.of(pairs, self._proximity.groups), len(pairs.ends)
+        call(
+            solve_groups, contact, free, (grouped.pairs, grouped.first), coupling, solved,
+            np.empty((2, scratch, IMPULSES)), self._accuracy,
+        )  # fmt: skip
+        grouped.copy_to(pairs)
+
+    def _book(
+        self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved, ledger: Ledger
+    ) -> None:
+        """See `LagrangianContact._book`; of each group alone."""
+        grouped = Grouped.of(pairs, self._proximity.groups)
+        self._books = grouped.number, books_of(ledger, len(grouped.number))
+        of = self._contact, free, (grouped.pairs, grouped.first), coupling, solved
+        self.call(book_groups, *of, self._walls, self._books[1])
         if self.loads:
             assert self._table is not None
             self.call(
                 add_loads, self._contact, pairs, coupling, solved, self.scene.domain.frame,
-                self._table.surface, (self._every, self.proximity.moving),
-                (self._dt, self.loads.values),
+                self._table.surface, self._every, (self._dt, *self.loads.arrays),
             )  # fmt: skip
 
     def _pairs(
-        self, table: Table, near: Near, u: np.ndarray, values: np.ndarray, dt: float
-    ) -> Joint:
-        """The pairs of patches and other bodies, with their rows of B."""
+        self, table: Table, share: Share, u: np.ndarray, values: np.ndarray,
+        step: tuple[float, float],
+    ) -> Joint:  # fmt: skip
+        """The pairs of patches and other bodies, with their rows of B.
+
+        `step` has its length, and the greatest speed of a vertex.
+        """
         call, frame, surface = self.call, self.scene.domain.frame, table.surface
-        proximity, rigid, cells = self.proximity, self.rigid_bodies, near.cells
+        proximity, rigid, cells = self._proximity, self.rigid_bodies, share.cells
         every, scratch = proximity.candidates, proximity.scratch
-        call(move_facets, frame, rigid, surface, cells, u, proximity.moving, scratch)
+        call(move_facets, frame, rigid, surface, cells, u, share.moving, scratch)
         far = proximity.far
         call(find_gaps, frame, rigid, self._walls, surface, (cells, u), scratch, far, every)
         most = len(every)
-        pairs, seen = ContactPairs.empty(most), np.empty((2, len(near.keys)), np.int64)
+        pairs, seen = ContactPairs.empty(most), np.empty((2, len(share.keys)), np.int64)
         vertices, counts = (flat(values), seen, np.empty(2 ** len(frame.cell))), [0, 0]
-        fastest = float(np.abs(values["velocity"]).max(initial=0.0)) + self._rate * min(frame.cell)
+        dt, speed = step
+        fastest = speed + self._rate * min(frame.cell)
 
         def fill(coupling: Coupling) -> int:
             self._every = every.copy()
@@ -218,4 +278,4 @@ class SurfaceContact(LagrangianContact):
             coupling.start[: rows + 1], coupling.column[:used], coupling.entry[:used],
             coupling.answer[:rows], coupling.beyond[:rows],
         )  # fmt: skip
-        return Joint(pairs.chosen(slice(found)), coupling, ReferenceVertices(near.keys, values))
+        return Joint(pairs.chosen(slice(found)), coupling, ReferenceVertices(share.keys, values))

@@ -51,21 +51,17 @@ class Sheets:
         self._surface: Surface | None = None
         self._polygons: Polygons | None = None
 
-    def sheet(self, rank: Rank, time: float) -> tuple[int, Sheet | None]:
-        """The rank that has the present surfaces, and there the sheet; collective.
-
-        The loads begin anew with it.
-        """
+    def sheet(self, rank: Rank, time: float) -> Sheet | None:
+        """The present surfaces, on rank 0; collective. The loads begin anew with them."""
         contact = rank.contact
         assert isinstance(contact, SurfaceContact)
         assert contact.loads is not None
-        table, root = contact.known(rank), contact.proximity.root
-        u = contact.proximity.present(rank, table)
-        contact.loads.begin(table.surface, root)
-        loads, since = contact.loads.values.copy(), contact.loads.time
-        contact.loads.written()
-        if rank.comm.rank != root:
-            return root, None
+        table = contact.known(rank)
+        u = contact.proximity.all_displacements(rank, table)
+        loads, since = contact.loads.taken(table.surface, contact.proximity.labels)
+        every = contact.proximity.everyone()
+        if rank.comm.rank > 0:
+            return None
         if self._surface is not table.surface:
             self._surface, surface = table.surface, table.surface
             self._polygons = polygons_of(
@@ -77,39 +73,45 @@ class Sheets:
         poses = rank.scene.interaction.rigid_bodies.poses(
             time, rank.free.states if rank.free else []
         )
-        gap = self._gaps(rank, contact, table, u, time)
+        gap = self._gaps(rank, contact, table, (u, *every), time)
         now = _now(rank, table, self._polygons, u, poses)
         self._smooth(rank, table.surface, now, loads, gap)
-        return root, _sheet(table.surface, self._polygons, now, _values(loads, since, gap))
+        return _sheet(table.surface, self._polygons, now, _values(loads, since, gap))
 
     def _gaps(
-        self, rank: Rank, contact: SurfaceContact, table: Table, u: np.ndarray, time: float
+        self,
+        rank: Rank,
+        contact: SurfaceContact,
+        table: Table,
+        near: tuple[np.ndarray, np.ndarray, np.ndarray],
+        time: float,
     ) -> np.ndarray:
-        """Gaps of all facets, the least one of each; nan where nothing is near."""
-        near, call, frame = contact.proximity, self.call, rank.scene.domain.frame
-        found = np.full(len(table.surface.x), np.nan)
-        if not len(near.candidates):
+        """Gaps of all facets, the least one of each; nan where nothing is near.
+
+        `near` are displacements of surface vertices, candidates, facets near others; of all ranks.
+        """
+        (u, candidates, moving), proximity, call = near, contact.proximity, self.call
+        frame, found = rank.scene.domain.frame, np.full(len(table.surface.x), np.nan)
+        if not len(candidates):
             return found
         surface = table.surface._replace(
-            now=table.surface.now.copy(), turned=table.surface.turned.copy()
+            now=np.full_like(table.surface.now, np.inf), turned=table.surface.turned.copy()
         )
-        rigid = _placed(rank, contact.rigid_bodies, time)
-        call(move_facets, frame, rigid, surface, table.cells, u, near.moving, near.scratch)
-        reach, acts = (near.reach, frame.cell[0]), np.ascontiguousarray(contact.acts.T)
-        key_of, strides = bins_of(surface.now[near.moving], reach[0], rank.scene.dimension)
+        rigid, scratch = _placed(rank, contact.rigid_bodies, time), proximity.scratch
+        call(move_facets, frame, rigid, surface, table.cells, u, moving, scratch)
+        reach, acts = (proximity.reach, frame.cell[0]), np.ascontiguousarray(contact.acts.T)
+        key_of, strides = bins_of(surface.now[moving], reach[0], rank.scene.dimension)
         order, count = np.argsort(key_of, kind="stable"), len(acts)
         bins, marks = (key_of, key_of[order], order, strides), np.zeros(len(found), np.uint8)
         best = np.full(count, np.inf), np.empty(count, np.int64), np.empty(count, np.int64)
         others, number = grown(
-            2 * len(near.moving) + 16,
+            2 * len(moving) + 16,
             no_facets,
-            lambda room: call(
-                find_meeting, surface, acts, near.moving, bins, reach, marks, best, room
-            ),
+            lambda room: call(find_meeting, surface, acts, moving, bins, reach, marks, best, room),
         )
-        for every in (near.candidates.copy(), others[:number]):
-            call(find_gaps, frame, rigid, near.walls, surface, (table.cells, u), near.scratch,
-                 near.far, every)  # fmt: skip
+        for every in (candidates.copy(), others[:number]):
+            call(find_gaps, frame, rigid, proximity.walls, surface, (table.cells, u), scratch,
+                 proximity.far, every)  # fmt: skip
             some = every[np.isfinite(every["gap"])]
             np.fmin.at(found, some["facet"], some["gap"])
             if every is not others:  # of a body that meets itself one side looks for the other

@@ -23,7 +23,7 @@ def run(case):
     lines = [sim.diagnostics()]
     while not sim.finished:
         sim.advance()
-        gaps = sim.rank.contact.proximity.candidates["gap"]
+        gaps = sim.rank.contact._proximity.candidates["gap"]
         deep = min(deep, gaps.min(initial=0.0))
         lines.append(sim.diagnostics())
     return lines, deep / min(sim.scene.domain.frame.cell)

@@ -125,8 +125,8 @@ def test_slip_is_the_distance_and_wear_the_heat_of_friction(sliding):
 def test_hertz(tmp_path):
     """Of a disk with 16 cells in its radius, 2.6 cells in the half-width.
 
-    One patch has one force, and neighbours swing about the profile by a tenth: it is off by .26 of
-    the greatest pressure, rms. Force, middle, half-width and area are nearly right.
+    The profile is off by .084 of the greatest pressure, rms; .26 before it is made smooth, as the
+    forces of neighbouring patches alternate.
     """
     R, stiff = 16.0, 1000.0 / 0.91
     force = 0.02 * stiff * R
@@ -143,5 +143,4 @@ def test_hertz(tmp_path):
     assert run.history["contact.block+plate.area"][-1] == pytest.approx(2.0 * half, rel=0.03)
     exact = np.sqrt(np.maximum(0.0, 1.0 - (x / half) ** 2))
     off = pressure / (2.0 * force / (np.pi * half)) - exact
-    print(np.sqrt(area[under] @ off[under] ** 2 / area[under].sum()), 2.0 * np.sqrt(load @ x**2 / force) / half, (load@x)/force/half, pressure.min(), pressure.max())
-    assert np.sqrt(area[under] @ off[under] ** 2 / area[under].sum()) < 0.27
+    assert np.sqrt(area[under] @ off[under] ** 2 / area[under].sum()) < 0.09
