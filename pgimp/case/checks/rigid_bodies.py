@@ -133,7 +133,7 @@ def check_surface_output(
     if not meet_by_surfaces(bodies, method, geometry, boundaries):
         text = (
             "is for scenes whose bodies meet by their surfaces: give all of them `configuration: "
-            "initial` and `surface: exact`, without an axis or periodic faces; or leave it out"
+            "initial` and cut cells, without an axis or periodic faces; or leave it out"
         )
         yield Problem(path, text)
     elif not contact and not any(face.approaches for face in boundaries.values()):

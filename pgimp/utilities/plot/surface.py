@@ -71,9 +71,9 @@ def surface_of(snapshot: PlotFrame, name: str, bodies: Sequence[str]) -> _Values
         values = values[:, AXES.index(component)]
     elif values.ndim == 2:
         values = np.sqrt((values * values).sum(axis=1))
-    for body in bodies:
-        if body not in frame.bodies:
-            raise UsageError(unknown("body", body, frame.bodies))
+    for each in bodies:
+        if each not in frame.bodies:
+            raise UsageError(unknown("body", each, frame.bodies))
     body = frame["body"]
     chosen = np.isin(body, [frame.bodies.index(each) for each in bodies or frame.bodies])
     corners = np.asarray(frame["position"][frame["connectivity"][chosen]], float)

@@ -19,7 +19,7 @@ from pgimp.solver.contact.grown import grown
 from pgimp.solver.contact.surfaces.contact import SurfaceContact
 from pgimp.solver.contact.surfaces.smooth import Smoothed, smooth
 from pgimp.solver.contact.surfaces.table import Table, bins_of
-from pgimp.solver.rank import Rank
+from pgimp.solver.rank_state import RankState
 
 #: Cells of gap below which a facet is next to those under load.
 _CLOSE = 0.01
@@ -51,7 +51,7 @@ class Sheets:
         self._surface: Surface | None = None
         self._polygons: Polygons | None = None
 
-    def sheet(self, rank: Rank, time: float) -> Sheet | None:
+    def sheet(self, rank: RankState, time: float) -> Sheet | None:
         """The present surfaces, on rank 0; collective. The loads begin anew with them."""
         contact = rank.contact
         assert isinstance(contact, SurfaceContact)
@@ -80,7 +80,7 @@ class Sheets:
 
     def _gaps(
         self,
-        rank: Rank,
+        rank: RankState,
         contact: SurfaceContact,
         table: Table,
         near: tuple[np.ndarray, np.ndarray, np.ndarray],
@@ -121,7 +121,7 @@ class Sheets:
         return found
 
     def _smooth(
-        self, rank: Rank, surface: Surface, now: Now, loads: np.ndarray, gap: np.ndarray
+        self, rank: RankState, surface: Surface, now: Now, loads: np.ndarray, gap: np.ndarray
     ) -> None:
         """Make impulses and heat smooth, in place."""
         side = min(rank.scene.domain.frame.cell)
@@ -136,7 +136,7 @@ class Sheets:
             )
 
 
-def _placed(rank: Rank, rigid: Any, time: float) -> Any:
+def _placed(rank: RankState, rigid: Any, time: float) -> Any:
     """The rigid bodies where they are now; the arrays of the step stay as they are."""
     if isinstance(rigid, tuple) and not rigid:
         return rigid
@@ -161,7 +161,7 @@ def _values(loads: np.ndarray, since: float, gap: np.ndarray) -> dict[str, np.nd
     }
 
 
-def _now(rank: Rank, table: Table, polygons: Polygons, u: np.ndarray, poses: Any) -> Now:
+def _now(rank: RankState, table: Table, polygons: Polygons, u: np.ndarray, poses: Any) -> Now:
     """Where facets and points are, given displacements of the surface vertices."""
     surface, D = table.surface, rank.scene.dimension
     size, cell = np.array(rank.scene.domain.frame.cell), surface.cell[polygons.facet]
