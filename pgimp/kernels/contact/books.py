@@ -68,7 +68,7 @@ def book_rigid_bodies(contact, rigid_bodies, x, pair, part, velocities, ledger, 
     if not is_record(rigid_bodies):
         return None
     row, (u, v), (a, b) = contact.pair_states[pair], velocities, fields_of(contact, pair)
-    for sign, end, w in ((-part, a, u), (part, b, v)):
+    for sign, end, w, other, s in ((-part, a, u, b, v), (part, b, v, a, u)):
         if contact.fields[end].mass < inf:
             continue
         t = contact.bodies[end] - rigid_bodies.bodies
@@ -77,6 +77,7 @@ def book_rigid_bodies(contact, rigid_bodies, x, pair, part, velocities, ledger, 
         done = -(J[0] * w[0] + J[1] * w[1] + J[2] * w[2])
         lost = _lost(rigid_bodies, t, arm, J, w)
         done += lost
+        lost += _lost_beside(contact, rigid_bodies, t, other, J, s)
         ledger.contact[plane, contact.ends[pair].law - 1, LOSS] += lost
         for d in range(3):
             e, f = (d + 1) % 3, (d + 2) % 3
@@ -104,6 +105,21 @@ def _lost(rigid_bodies, t, arm, J, w):
         before = former[d]
         before += former[3 + e] * arm[f] - former[3 + f] * arm[e]
         found += 0.5 * J[d] * (w[d] - before)
+    return found
+
+
+@inlined
+def _lost_beside(contact, rigid_bodies, t, other, J, w):
+    """As `_lost`, of the material that a free rigid body acts on, field `other`, with velocity `w`.
+
+    Bodies that stay in touch change their velocities alike: of both shares nothing is left then.
+    """
+    if not move_freely(rigid_bodies):
+        return 0.0
+    field, found = contact.fields[other], 0.0
+    if field.mass < inf and rigid_bodies.lattice[t].free >= 0:
+        for d in range(3):
+            found -= 0.5 * J[d] * (w[d] - field.velocity_before[d])
     return found
 
 

@@ -234,7 +234,7 @@ class LagrangianContact(NoContact):
         call(find_changes, vertices, solved, changes)
         if len(mirrors):
             call(book_mirrored, pairs, coupling, mirrors, ledger)
-        call(book_contacts, contact, free, pairs, coupling, solved, self._walls, ledger)
+        call(book_contacts, contact, free, pairs, coupling, solved, vertices, self._walls, ledger)
         return changes
 
     def _find(self, near: Near, t: Step) -> tuple[ContactPairs, Coupling]:
