@@ -181,6 +181,8 @@ def collisions(
                 continue  # the axis
             if is_symmetry(face.name, face.condition, free, len(frame.cell)):
                 continue
+            if rigid_bodies.meets_walls and face.condition.approaches and not first:
+                continue
             wall = frame.origin[face.axis]
             if face.side > 0:
                 wall += frame.cells[face.axis] * frame.cell[face.axis]

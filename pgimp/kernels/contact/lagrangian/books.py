@@ -5,7 +5,7 @@ and constraints bear their share, as for all forces there.
 """
 
 from pgimp.jit.kernel import inlined, inner_kernel, kernel
-from pgimp.kernels.contact.books import book, losses_of
+from pgimp.kernels.contact.books import book, book_rigid_bodies, losses_of
 from pgimp.kernels.contact.lagrangian.gauss_seidel import impulse_of, load_pair
 from pgimp.kernels.contact.lagrangian.reference_grid import (
     OF_VELOCITY_BEFORE,
@@ -129,7 +129,12 @@ def book_contacts(contact, free, contact_pairs, coupling, solved, values, walls,
             face, fields = walls.planes[wall].face, contact.fields
             for d in range(3):
                 ledger.impulse[0, face, d] += sign * impulse_of(row, d)
-            heat, loss = losses_of(row, fields[0].velocity, fields[1].velocity)
+            u = (fields[0].velocity[0], fields[0].velocity[1], fields[0].velocity[2])
+            v = (fields[1].velocity[0], fields[1].velocity[1], fields[1].velocity[2])
+            heat, loss = losses_of(row, u, v)
+            loss += book_rigid_bodies(
+                contact, contact.rigid_bodies, contact_pairs.rigid[k, 2], 0, 1.0, (u, v), ledger, 0
+            )
             ledger.wall_energy[0, face, WALL_HEAT] += heat
             ledger.wall_energy[0, face, WALL_LOSS] += loss
             continue

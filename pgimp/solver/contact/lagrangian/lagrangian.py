@@ -225,10 +225,8 @@ class LagrangianContact(NoContact):
         contact, call, mirrors = self._contact, self.call, self._selector.mirrors
         pairs, coupling, (keys, values) = joint
         vertices, solved = flat(values), Solved.empty(len(values), coupling)
-        scratch = np.empty((2, len(pairs.ends), IMPULSES))
         call(begin_solution, free.frame, vertices, coupling, solved)
-        self._warm_start.begin(contact, pairs, coupling, solved, self._dt)
-        call(solve_impulses, contact, free, pairs, coupling, solved, scratch, *self._accuracy)
+        self._sweep(free, pairs, coupling, solved)
         self._warm_start.keep(pairs, self._dt)
         changes = Changes(keys, *np.empty((2, len(keys), 3)))
         call(find_changes, vertices, solved, changes)
@@ -236,6 +234,15 @@ class LagrangianContact(NoContact):
             call(book_mirrored, pairs, coupling, mirrors, ledger)
         call(book_contacts, contact, free, pairs, coupling, solved, vertices, self._walls, ledger)
         return changes
+
+    def _sweep(
+        self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved
+    ) -> None:
+        """Solve for the impulses of pairs, by sweeps."""
+        contact, call = self._contact, self.call
+        scratch = np.empty((2, len(pairs.ends), IMPULSES))
+        self._warm_start.begin(contact, pairs, coupling, solved, self._dt)
+        call(solve_impulses, contact, free, pairs, coupling, solved, scratch, *self._accuracy)
 
     def _find(self, near: Near, t: Step) -> tuple[ContactPairs, Coupling]:
         """Find the candidate pairs in this rank's share, and their rows of B."""

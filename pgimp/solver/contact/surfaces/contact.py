@@ -6,6 +6,8 @@ themselves.
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from pgimp.jit.rehearsal import needed
@@ -18,6 +20,7 @@ from pgimp.kernels.contact.lagrangian.reference_grid import (
     change_velocities,
     read_reference_vertices,
 )
+from pgimp.kernels.contact.lagrangian.rows import Solved
 from pgimp.kernels.contact.surfaces.gaps import find_gaps
 from pgimp.kernels.contact.surfaces.motion import move_facets
 from pgimp.kernels.contact.surfaces.rows import find_patch_pairs
@@ -30,6 +33,7 @@ from pgimp.solver.contact.lagrangian.joint import Joint, share
 from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact, nothing_held
 from pgimp.solver.contact.lagrangian.selected import flat
 from pgimp.solver.contact.surfaces.proximity import Near, Proximity
+from pgimp.solver.contact.surfaces.rebounds import rebounds_of
 from pgimp.solver.contact.surfaces.table import Table, table_of
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.vertices import VertexUpdate
@@ -55,6 +59,10 @@ class SurfaceContact(LagrangianContact):
         self._rate = 0.0
         if not self.free:
             self._accuracy = SWEEPS, TOLERANCE
+        self._rebounds = rebounds_of(scene)
+        first = self._walls.first
+        for number in scene.interaction.rigid_bodies.free:  # they meet walls as other bodies do
+            self.pairs.entry[self.bodies + number, first:] = self.pairs.entry[0, first:]
 
     def moved(self) -> None:
         """See `NoContact.moved`."""
@@ -143,6 +151,17 @@ class SurfaceContact(LagrangianContact):
         self.changes = changes
         call(change_velocities, frame, grid.field, changes, forcing, ledger.work)
         call(book_held, holding, grid.field, changes, ledger)
+
+    def _sweep(
+        self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved
+    ) -> None:
+        """See `LagrangianContact._sweep`; rigid bodies rebound."""
+        sweep = partial(super()._sweep, free, pairs, coupling, solved)
+        if self._rebounds:
+            states = solved.velocity, solved.held_impulse
+            self._rebounds.solve(self.rigid_bodies, pairs, states, sweep)
+        else:
+            sweep()
 
     def _pairs(
         self, table: Table, near: Near, u: np.ndarray, values: np.ndarray, dt: float
