@@ -17,7 +17,7 @@ from pgimp.scene.bodies.lattice_body import LatticeBody
 from pgimp.scene.bodies.surface_elements import Closed, find_elements
 
 #: Least area of a facet, and of a patch that does not join another, over that of a cell's side.
-LEAST_FACET, LEAST_PATCH = 1e-6, 0.5
+LEAST_FACET, LEAST_PATCH = 1e-4, 0.5
 
 #: Least cosines between normals of patches that join, and of facets and the greatest of a patch.
 _ALIKE, _FLAT = 0.7, 0.8

@@ -75,6 +75,18 @@ def block(low, high, velocity=(0.0, 0.0)):
     return {"rigid": {"density": 1.0}, "velocity": [*velocity], "region": region}
 
 
+def turned(middle, sides, angle):
+    """A rectangle that is turned, in degrees, and the directions of its sides."""
+    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    axes = np.array([[c, s], [-s, c]])
+    planes = [
+        {"point": (np.array(middle) + 0.5 * way * side * axis).tolist(),
+         "normal": (way * axis).tolist()}
+        for axis, side in zip(axes, sides, strict=True) for way in (-1.0, 1.0)
+    ]  # fmt: skip
+    return {"intersection": [{"half-space": plane} for plane in planes]}, axes
+
+
 def alone(bodies, contact, **parts):
     """A case of rigid bodies, which none of a material meets."""
     parts = {"cells": [12, 12], "step": 0.02, "end": 3.0} | parts
@@ -163,15 +175,9 @@ def test_cradle(first):
 @pytest.mark.parametrize("angle", [30.0, 50.0, 70.0])
 def test_a_rebound_with_friction_creates_no_energy(angle):
     """A rod slides as its end hits the floor: Newton's hypothesis alone would give energy."""
-    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
-    axes, sides = np.array([[c, s], [-s, c]]), (5.0, 1.0)
-    middle = np.array([6.0, 3.3 + 0.5 * (5.0 * s + c)])
-    planes = [
-        {"point": (middle + 0.5 * way * side * axis).tolist(), "normal": (way * axis).tolist()}
-        for axis, side in zip(axes, sides, strict=True) for way in (-1.0, 1.0)
-    ]  # fmt: skip
+    high = 5.0 * np.sin(np.radians(angle)) + np.cos(np.radians(angle))
     rod = block([0.0, 0.0], [1.0, 1.0], [-1.5, -1.0])
-    rod["region"] = {"intersection": [{"half-space": plane} for plane in planes]}
+    rod["region"], _ = turned([6.0, 3.3 + 0.5 * high], [5.0, 1.0], angle)
     entry = {"bodies": ["rod", "floor"], "restitution": 1.0, "friction": 1.0}
     _, line = history(alone({"rod": rod, "floor": FLOOR}, [entry], end=1.0))
     energy = line["tool.rod.kinetic-energy"]
@@ -196,3 +202,42 @@ def test_where_there_is_no_restitution(contact, boundaries, said):
         del bodies["box"]
     with pytest.raises(CaseError, match=said):
         pgimp.load(alone(bodies, contact, boundaries=boundaries))
+
+
+@pytest.mark.parametrize("friction", [0.1, 0.4, 0.5])
+def test_a_box_on_an_incline(friction):
+    """It slides with g (sin - mu cos), or stays. A corner of the lattice lies in the plane."""
+    corner = np.array([7.0, 6.0])
+    _, (along, normal) = turned(corner, [1.0, 1.0], -25.0)
+    bodies = {
+        "box": block([0.0, 0.0], [1.0, 1.0])
+        | {"region": turned(corner - 1.8 * along + normal, [3.0, 2.0], -25.0)[0]},
+        "floor": {"rigid": {}, "region": turned(corner - normal, [10.0, 2.0], -25.0)[0]},
+    }
+    entry = {"bodies": ["box", "floor"], "friction": friction}
+    case = alone(bodies, [entry], gravity=[0.0, -1.0], end=2.0, cells=[14, 12])
+    case["bodies"]["far"] = box([0.1, 0.1], [1.1, 1.1]) | EXACT
+    _, line = history(case)
+    way = np.array([line[f"tool.box.displacement-{x}"][-1] for x in "xy"])
+    sine, cosine = np.sin(np.radians(25.0)), np.cos(np.radians(25.0))
+    exact = 2.0 * max(0.0, sine - friction * cosine)
+    assert abs(way @ along - exact) < 0.015 * exact + 1e-8
+    assert abs(way @ normal) < 1e-6 and abs(line["tool.box.angle-z"][-1]) < 1e-6
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.5])
+def test_a_stack_stays(friction):
+    """Five boxes, one on another, at rest for two free falls from their height: to rounding."""
+    bodies = {
+        f"b{k}": block([4.3 + 0.17 * (k % 3), 3.0 + 2.0 * k], [8.3 + 0.17 * (k % 3), 5.0 + 2.0 * k])
+        for k in range(5)
+    }
+    names = [*bodies]
+    entry = {"bodies": [*names, "floor"], "friction": friction}
+    _, line = history(
+        alone(bodies | {"floor": FLOOR}, [entry], gravity=[0.0, -1.0], cells=[14, 16], end=9.0)
+    )
+    for name in names:
+        for what in ("displacement-x", "displacement-y", "angle-z"):
+            assert np.abs(line[f"tool.{name}.{what}"]).max() < 1e-6
+    assert kinetic(line, names).max() < 1e-10
