@@ -240,8 +240,8 @@ def require_clear(
             return
         text = (
             f"reaches {depth:.3g} cells into {what}: rigid bodies that move freely feel bodies of "
-            "a material, and rigid ones with which they have an entry of `contact` if all bodies "
-            "have `configuration: initial` and `surface: exact`"
+            "a material; if all of these have `configuration: initial` and `surface: exact`, also "
+            "rigid ones with which they have an entry of `contact`, and walls that let go"
         )
         if number == 0:
             with located(rigid_bodies.case):
