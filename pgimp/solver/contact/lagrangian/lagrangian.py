@@ -222,7 +222,7 @@ class LagrangianContact(NoContact):
 
     def _solve(self, joint: Joint, free: Holding, ledger: Ledger) -> Changes:
         """Solve for the impulses of pairs, and book them."""
-        contact, call, mirrors = self._contact, self.call, self._selector.mirrors
+        call, mirrors = self.call, self._selector.mirrors
         pairs, coupling, (keys, values) = joint
         vertices, solved = flat(values), Solved.empty(len(values), coupling)
         call(begin_solution, free.frame, vertices, coupling, solved)
@@ -232,7 +232,7 @@ class LagrangianContact(NoContact):
         call(find_changes, vertices, solved, changes)
         if len(mirrors):
             call(book_mirrored, pairs, coupling, mirrors, ledger)
-        call(book_contacts, contact, free, pairs, coupling, solved, vertices, self._walls, ledger)
+        self._book(free, pairs, coupling, solved, vertices, ledger)
         return changes
 
     def _sweep(
@@ -243,6 +243,14 @@ class LagrangianContact(NoContact):
         scratch = np.empty((2, len(pairs.ends), IMPULSES))
         self._warm_start.begin(contact, pairs, coupling, solved, self._dt)
         call(solve_impulses, contact, free, pairs, coupling, solved, scratch, *self._accuracy)
+
+    def _book(
+        self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved,
+        vertices: np.ndarray, ledger: Ledger,
+    ) -> None:  # fmt: skip
+        """Book the impulses of pairs."""
+        of = self._contact, free, pairs, coupling, solved, vertices
+        self.call(book_contacts, *of, self._walls, ledger)
 
     def _find(self, near: Near, t: Step) -> tuple[ContactPairs, Coupling]:
         """Find the candidate pairs in this rank's share, and their rows of B."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.lagrangian.pairs import ContactPairs
 from pgimp.kernels.contact.surfaces.rebounds import COLUMNS, find_gains, find_rebounds
 from pgimp.scene.scene import Scene
+from pgimp.solver.contact.surfaces.groups import Grouped
 
 #: Solutions of a step, at most, as long as impulses give energy; which part of what they exchange
 #: is rounding.
@@ -39,27 +41,32 @@ class Rebounds:
         self,
         rigid_bodies: Any,
         pairs: ContactPairs,
+        grouped: Grouped,
         states: tuple[np.ndarray, ...],
         sweep: Callable[[], Any],
     ) -> None:
-        """Solve for the impulses by `sweep`, which changes `states`."""
-        call, count = self.call, len(pairs.ends)
-        gaps = pairs.states["gap_rate"].copy()
-        scratch = np.empty((count, COLUMNS))
-        args = rigid_bodies, pairs, self.restitution, self._velocities, scratch
-        if not needed(call(find_rebounds, *args)):
+        """Solve for the impulses by `sweep`, which changes `states`; of each group alone."""
+        call, first, count = self.call, grouped.first, len(grouped.number)
+        order = slice(None) if grouped.order is None else grouped.order
+        gaps, scratch = pairs.states["gap_rate"].copy(), np.empty((len(pairs.ends), COLUMNS))
+        own, found = grouped.pairs, 0
+        for a, b in [*pairwise(first.tolist())] or [(0, 0)]:
+            some = rigid_bodies, own.chosen(slice(a, b)), self.restitution, self._velocities
+            found += call(find_rebounds, *some, scratch[a:b])
+        if not needed(found):
             sweep()
             return
-        speeds = pairs.states["gap_rate"].copy()
-        states = (*states, pairs.states, rigid_bodies.motion, rigid_bodies.responses)
-        before, gains = [each.copy() for each in states], np.empty((2, count))
+        pairs.states["gap_rate"][order] = own.states["gap_rate"]
+        speeds, group = pairs.states["gap_rate"].copy(), np.empty(len(pairs.ends), np.int64)
+        group[order] = np.repeat(np.arange(count), np.diff(first))
         hit = np.flatnonzero(speeds != gaps)
-        group = _groups(rigid_bodies, pairs)
-        part, lost = np.ones((2, 1 + len(self._velocities)))
+        states = (*states, pairs.states, rigid_bodies.motion, rigid_bodies.responses)
+        before, gains = [each.copy() for each in states], np.empty((2, len(pairs.ends)))
+        part, lost = np.ones((2, count))
         for number in range(TRIES):
             sweep()
             call(find_gains, rigid_bodies, pairs, gains)
-            whole, most = (np.bincount(group, each, len(part)) for each in gains)
+            whole, most = (np.bincount(group, each, count) for each in gains)
             more = whole > NOTHING * most
             if number != 1 and not needed(more.any()):
                 return
@@ -84,14 +91,3 @@ def rebounds_of(scene: Scene) -> Rebounds | None:
     restitution = np.array(given + [getattr(wall, "restitution", 0.0) for wall in letting])
     free = len(scene.interaction.rigid_bodies.free)
     return Rebounds(restitution, free) if free and restitution.any() else None
-
-
-def _groups(rigid_bodies: Any, pairs: ContactPairs) -> np.ndarray:
-    """Number of the group of each pair: of free rigid bodies that touch, directly or not."""
-    t = -1 - pairs.ends["rows"] - rigid_bodies.bodies
-    known = (t >= 0) & (t < len(rigid_bodies.lattice))
-    free = np.where(known, rigid_bodies.lattice["free"][np.where(known, t, 0)], -1)
-    group = np.arange(rigid_bodies.responses.shape[1])
-    for a, b in np.unique(free[(free >= 0).all(axis=1)], axis=0):
-        group[group == group[a]] = group[b]
-    return np.where(free.max(axis=1) >= 0, group[free.max(axis=1)], len(group))
