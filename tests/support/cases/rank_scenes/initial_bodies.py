@@ -280,8 +280,8 @@ def surface_contact():
                      "region": {"box": {"min": [-6.0, 2.0], "max": [2.5, 8.0]}}}  # fmt: skip
     bodies["puck"] = {"rigid": {"density": 2.0}, "velocity": [-1.0, -2.0],
                       "region": {"box": {"min": [12.2, 4.3], "max": [13.9, 5.9]}}}  # fmt: skip
-    bodies["bead"] = {"rigid": {"density": 1.0}, "velocity": [-2.0, -8.0],
-                      "region": {"ball": {"centre": [20.3, 3.9], "radius": 0.9}}}  # fmt: skip
+    bodies["bead"] = {"rigid": {"density": 1.0}, "velocity": [-3.0, -7.0],
+                      "region": {"ball": {"centre": [21.1, 3.0], "radius": 0.9}}}  # fmt: skip
     return scene(
         2,
         bodies,
