@@ -6,6 +6,8 @@ themselves.
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from pgimp.jit.rehearsal import needed
@@ -45,6 +47,7 @@ from pgimp.solver.contact.surfaces.groups import (
 from pgimp.solver.contact.surfaces.kept_forces import KeptForces
 from pgimp.solver.contact.surfaces.overrun import OverrunWatch
 from pgimp.solver.contact.surfaces.proximity import Proximity, Share, U
+from pgimp.solver.contact.surfaces.rebounds import rebounds_of
 from pgimp.solver.contact.surfaces.table import Table, table_of
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
@@ -75,6 +78,10 @@ class SurfaceContact(LagrangianContact):
         self._books = np.empty(0, np.int64), Ledger.empty(0, 0, 0)
         if not self.free:
             self._accuracy = SWEEPS, TOLERANCE
+        self._rebounds = rebounds_of(scene)
+        first = self._walls.first
+        for number in scene.interaction.rigid_bodies.free:  # they meet walls as other bodies do
+            self.pairs.entry[self.bodies + number, first:] = self.pairs.entry[0, first:]
 
     def moved(self) -> None:
         """See `NoContact.moved`."""
@@ -172,7 +179,19 @@ class SurfaceContact(LagrangianContact):
     def _sweep(
         self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved
     ) -> None:
-        """See `LagrangianContact._sweep`; the sweeps of each group end by themselves."""
+        """See `LagrangianContact._sweep`; rigid bodies rebound."""
+        sweep = partial(self._sweep_groups, free, pairs, coupling, solved)
+        if self._rebounds:
+            grouped = Grouped.of(pairs, self._proximity.groups)
+            states = solved.velocity, solved.held_impulse
+            self._rebounds.solve(self.rigid_bodies, pairs, grouped, states, sweep)
+        else:
+            sweep()
+
+    def _sweep_groups(
+        self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved
+    ) -> None:
+        """Solve for the impulses; the sweeps of each group end by themselves."""
         contact, call = self._contact, self.call
         self._warm_start.begin(contact, pairs, coupling, solved, self._dt)
         grouped, scratch = Grouped.of(pairs, self._proximity.groups), len(pairs.ends)
@@ -183,12 +202,13 @@ class SurfaceContact(LagrangianContact):
         grouped.copy_to(pairs)
 
     def _book(
-        self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved, ledger: Ledger
-    ) -> None:
+        self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved,
+        vertices: np.ndarray, ledger: Ledger,
+    ) -> None:  # fmt: skip
         """See `LagrangianContact._book`; of each group alone."""
         grouped = Grouped.of(pairs, self._proximity.groups)
         self._books = grouped.number, books_of(ledger, len(grouped.number))
-        of = self._contact, free, (grouped.pairs, grouped.first), coupling, solved
+        of = self._contact, free, (grouped.pairs, grouped.first), coupling, solved, vertices
         self.call(book_groups, *of, self._walls, self._books[1])
 
     def _pairs(

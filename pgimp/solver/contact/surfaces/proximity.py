@@ -323,11 +323,12 @@ class Proximity:
         )
         alone = np.flatnonzero(acts[table.body, table.body])
         on_walls = {}
-        soft = np.flatnonzero(table.body < len(self.scene.body_names))
+        n, free = len(self.scene.body_names), [*self.scene.interaction.rigid_bodies.free]
+        moving = np.flatnonzero((table.body < n) | np.isin(table.body - n, free))
         for w, (axis, side, place, *_) in enumerate(self.walls.planes.tolist()):
             at = frame.origin[axis] + (place - frame.ghost) * cell[axis]
-            end = (high if side > 0 else low)[soft, axis]
-            near = soft[side * (at - end) < reach[axis]]
+            end = (high if side > 0 else low)[moving, axis]
+            near = moving[side * (at - end) < reach[axis]]
             on_walls[self.walls.first + w] = table.facets(near)
         return np.concatenate([pairs[:found], np.column_stack([alone, alone])]), on_walls
 

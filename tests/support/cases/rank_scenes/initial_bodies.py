@@ -285,7 +285,7 @@ def surface_contact():
     """Bodies exact to their surface meet, across slabs: each other, tools, a floor that lets go.
 
     Corners meet, one body is tied to another whose lattice differs, one is pressed by a free
-    rigid body, another rolls on a drum.
+    rigid body, another rolls on a drum, from which a rigid bead rebounds onto the floor.
     """
     disk = {"ball": {"centre": [4.3, 5.6], "radius": 1.37}}
     bodies = {
@@ -305,6 +305,8 @@ def surface_contact():
                      "region": {"box": {"min": [-6.0, 2.0], "max": [2.5, 8.0]}}}  # fmt: skip
     bodies["puck"] = {"rigid": {"density": 2.0}, "velocity": [-1.0, -2.0],
                       "region": {"box": {"min": [12.2, 4.3], "max": [13.9, 5.9]}}}  # fmt: skip
+    bodies["bead"] = {"rigid": {"density": 1.0}, "velocity": [-3.0, -7.0],
+                      "region": {"ball": {"centre": [21.1, 3.0], "radius": 0.9}}}  # fmt: skip
     return scene(
         2,
         bodies,
@@ -314,9 +316,13 @@ def surface_contact():
         step={"courant": 0.3},
         materials=PAIR,
         gravity=[0.0, -1.0],
-        boundaries={"y-min": {"separating": {"friction": 0.2}}, "x-max": "slip"},
+        boundaries={
+            "y-min": {"separating": {"friction": 0.2, "restitution": 0.7}},
+            "x-max": "slip",
+        },
         contact=[
             {"bodies": "all", "friction": {"static": 0.4, "kinetic": 0.3}},
+            {"bodies": ["bead", "drum"], "friction": 0.2, "restitution": 0.6},
             {"bodies": ["lies", "glued"], "law": "tied"},
             {"bodies": ["lies", "drum"], "adhesion": {"normal": 1.0, "reach": 0.3}},
         ],
