@@ -85,6 +85,31 @@ def exact_means():
     return case
 
 
+def exact_skins():
+    """A thin body on a thick one, which a stage takes away: its cells' means are over others then.
+
+    Vertices of the thin one are slaves before, and have the masses of others after.
+    """
+    bodies = {"thick": box([2.0, 1.0], [15.0, 3.0]), "skin": box([3.0, 3.0], [14.2, 3.15])}
+    clamp = {"body": "thick", "region": {"box": {"min": [2.0, 1.0], "max": [3.0, 3.0]}}}
+    case = scene(
+        2,
+        {name: body | {"configuration": "initial"} for name, body in bodies.items()},
+        cells=[18, 9],
+        shape="finite-gimp",
+        end=0.5,
+        step={"courant": 0.3},
+        gravity=[0.0, -20.0],
+        constraints={"clamp": clamp | {"velocity": [0.0, 0.0]}},
+        output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},
+        history={"every": {"steps": 10}},
+    )
+    case["method"]["volumetric"] = "mean"
+    gone = {"remove": ["thick"], "constraints": {"clamp": None}}
+    case["time"]["stages"] = [{"name": "skinned", "end": 0.8} | gone]
+    return case
+
+
 def _within(cells, *regions):
     """The part of some regions in the domain."""
     return {"intersection": [{"union": regions}, {"box": {"min": [0.0, 0.0], "max": cells}}]}
