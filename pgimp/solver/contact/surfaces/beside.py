@@ -61,10 +61,10 @@ class MixedContact(SurfaceContact):
         rigid = len(self.scene.interaction.rigid_bodies)
         self._selector.acts = interactions(self._own_pairs, self.groups, rigid)
 
-    def _known(self, rank: RankState) -> Table:
-        """See `SurfaceContact._known`."""
+    def known(self, rank: RankState) -> Table:
+        """See `SurfaceContact.known`."""
         before = self._table
-        table = super()._known(rank)
+        table = super().known(rank)
         if table is not before:
             entry, first = self.pairs.entry, self._walls.first
             acts = (np.maximum(np.abs(entry), np.abs(entry.T)) != 0)[:first, : self.bodies]
@@ -94,17 +94,18 @@ class MixedContact(SurfaceContact):
         own = [joint for joint in found if joint is not None]
         self._act(rank, update, merged(own, len(self._selector.mirrors)) if own else None)
 
-    def _sweep(
+    def _sweep_groups(
         self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved
     ) -> None:
         """See `LagrangianContact._sweep`; of all groups."""
         LagrangianContact._sweep(self, free, pairs, coupling, solved)
 
     def _book(
-        self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved, ledger: Ledger
-    ) -> None:
+        self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved,
+        vertices: np.ndarray, ledger: Ledger,
+    ) -> None:  # fmt: skip
         """See `LagrangianContact._book`; of all groups."""
-        LagrangianContact._book(self, free, pairs, coupling, solved, ledger)
+        LagrangianContact._book(self, free, pairs, coupling, solved, vertices, ledger)
 
     def _between(self, rank: RankState, update: VertexUpdate) -> Joint | None:
         """The pairs of bodies in the current configuration, on the root; collective."""
