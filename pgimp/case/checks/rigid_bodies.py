@@ -8,6 +8,7 @@ from collections.abc import Collection, Mapping, Sequence
 from pgimp.case.body import Body, may_be_exact
 from pgimp.case.checks.periodic import periodic_axes
 from pgimp.case.grid import Grid
+from pgimp.case.output import Output
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.contact.pairs import ContactEntry
 from pgimp.physics.loads.motion import RigidMotion
@@ -125,6 +126,28 @@ def check_contact(
             names = " and ".join(sorted(pair))
             yield Problem(path, f"entry {earlier[pair] + 1} has a law for {names} already")
         earlier |= dict.fromkeys(pairs, i)
+
+
+def check_surface_output(
+    output: Output,
+    contact: Sequence[ContactEntry],
+    bodies: Mapping[str, Body],
+    method: Shape,
+    geometry: str,
+    boundaries: Mapping[str, Boundary],
+) -> Problems:
+    """Check that there are surfaces that meet, if frames of these are asked for."""
+    if not output.surface:
+        return
+    path = "output", "surface"
+    if not meet_by_surfaces(bodies, method, geometry, boundaries):
+        text = (
+            "is for scenes whose bodies meet by their surfaces: give all of them `configuration: "
+            "initial` and cut cells, without an axis or periodic faces; or leave it out"
+        )
+        yield Problem(path, text)
+    elif not contact and not any(face.approaches for face in boundaries.values()):
+        yield Problem(path, "no bodies meet: name them under `contact`, or leave it out")
 
 
 def _restitution(i: int, entry: ContactEntry, soft: Collection[str]) -> Problems:

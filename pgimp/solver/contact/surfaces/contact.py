@@ -23,8 +23,10 @@ from pgimp.kernels.contact.lagrangian.reference_grid import (
     read_reference_vertices,
 )
 from pgimp.kernels.contact.lagrangian.rows import Solved
+from pgimp.kernels.contact.surfaces.data import no_facets
 from pgimp.kernels.contact.surfaces.gaps import find_gaps
 from pgimp.kernels.contact.surfaces.groups import book_groups, solve_groups
+from pgimp.kernels.contact.surfaces.loads import add_loads
 from pgimp.kernels.contact.surfaces.motion import move_facets
 from pgimp.kernels.contact.surfaces.rows import find_patch_pairs
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
@@ -32,6 +34,7 @@ from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
+from pgimp.solver.contact.base import NoContact
 from pgimp.solver.contact.grown import grown
 from pgimp.solver.contact.lagrangian.joint import Joint
 from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact, nothing_held
@@ -45,6 +48,7 @@ from pgimp.solver.contact.surfaces.groups import (
     share_changes,
 )
 from pgimp.solver.contact.surfaces.kept_forces import KeptForces
+from pgimp.solver.contact.surfaces.loads import SurfaceLoads
 from pgimp.solver.contact.surfaces.overrun import OverrunWatch
 from pgimp.solver.contact.surfaces.proximity import Proximity, Share, U
 from pgimp.solver.contact.surfaces.rebounds import rebounds_of
@@ -72,6 +76,9 @@ class SurfaceContact(LagrangianContact):
         self._slaves: object = None
         self._acts = np.zeros((0, 0), np.uint8)
         self._rate = 0.0
+        #: SurfaceLoads or None: Loads on facets, where the case asks for frames of surfaces.
+        self.loads = SurfaceLoads(comm) if scene.case.output.surface else None
+        self._every = no_facets(0)
         rigid_bodies = scene.interaction.rigid_bodies
         self._watch = OverrunWatch(scene, [*scene.body_names, *rigid_bodies.names])
         self._warm_start: KeptForces = KeptForces(comm)
@@ -96,6 +103,31 @@ class SurfaceContact(LagrangianContact):
         """See `NoContact.restore_search`."""
         self._proximity.restore(search)
 
+    @property
+    def surface_loads(self) -> np.ndarray:
+        """See `NoContact.surface_loads`."""
+        return self.loads.stored if self.loads else super().surface_loads
+
+    def restore_loads(self, loads: np.ndarray) -> None:
+        """See `NoContact.restore_loads`."""
+        if self.loads:
+            self.loads.restore(loads)
+
+    def follow(self, before: NoContact) -> None:
+        """See `NoContact.follow`."""
+        if self.loads and isinstance(before, SurfaceContact) and before.loads:
+            self.loads = before.loads
+
+    @property
+    def proximity(self) -> Proximity:
+        """What is near."""
+        return self._proximity
+
+    @property
+    def acts(self) -> np.ndarray:
+        """Whether facets of a body look for another's, (bodies, bodies) uint8."""
+        return self._acts
+
     def overrun(self, rank: RankState, done: Step) -> list[str]:
         """See `NoContact.overrun`."""
         if self._table is None or not self._watch.due(done):
@@ -115,10 +147,15 @@ class SurfaceContact(LagrangianContact):
             every.at(t.start, t.end, free.states if free else None)  # in place
         if free:
             free.begin(rigid_bodies, t, forcing.gravity)
-        table, rate = self._known(rank), max(every.rate, free.rate if free else 0.0)
+        table, rate = self.known(rank), max(every.rate, free.rate if free else 0.0)
         self._rate = rate
         if self._proximity.update(rank, table, self._acts, rigid_bodies, t.dt, rate):
             self._warm_start.divide(self._proximity.has)
+            if self.loads:
+                proximity = self._proximity
+                self.loads.divide(table.surface, proximity.labels, proximity.groups, proximity.met)
+        if self.loads:
+            self.loads.time += t.dt
         near = self._proximity.near
         assert near is not None
         if needed(near.any):
@@ -128,7 +165,7 @@ class SurfaceContact(LagrangianContact):
         if free:
             free.end(rigid_bodies, t.dt)
 
-    def _known(self, rank: RankState) -> Table:
+    def known(self, rank: RankState) -> Table:
         """The surfaces of all bodies; collective when they have to be found."""
         slaves = rank.slaves.keys if rank.slaves else None
         if self._table is None or self._slaves is not slaves:
@@ -210,6 +247,12 @@ class SurfaceContact(LagrangianContact):
         self._books = grouped.number, books_of(ledger, len(grouped.number))
         of = self._contact, free, (grouped.pairs, grouped.first), coupling, solved, vertices
         self.call(book_groups, *of, self._walls, self._books[1])
+        if self.loads:
+            assert self._table is not None
+            self.call(
+                add_loads, self._contact, pairs, coupling, solved, self.scene.domain.frame,
+                self._table.surface, self._every, (self._dt, *self.loads.arrays),
+            )  # fmt: skip
 
     def _pairs(
         self, table: Table, share: Share, u: np.ndarray, values: np.ndarray,
@@ -232,8 +275,9 @@ class SurfaceContact(LagrangianContact):
         fastest = speed + self._rate * min(frame.cell)
 
         def fill(coupling: Coupling) -> int:
+            self._every = every.copy()
             counts[0], counts[1], used = call(
-                find_patch_pairs, self._contact, frame, surface, cells, every.copy(), (dt, fastest),
+                find_patch_pairs, self._contact, frame, surface, cells, self._every, (dt, fastest),
                 vertices, (pairs, coupling),
             )  # fmt: skip
             return int(used)

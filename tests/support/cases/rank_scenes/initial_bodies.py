@@ -2,6 +2,7 @@
 
 from scenes import SOFT, box, scene
 
+from pgimp.physics.columns import SURFACE
 from rank_scenes.entries import EVERYTHING, GRID, PAIR, turning
 
 
@@ -326,7 +327,7 @@ def surface_contact():
             {"bodies": ["lies", "glued"], "law": "tied"},
             {"bodies": ["lies", "drum"], "adhesion": {"normal": 1.0, "reach": 0.3}},
         ],
-        output={"every": 0.25, "fields": EVERYTHING},
+        output={"every": 0.25, "fields": EVERYTHING, "surface": [*SURFACE]},
         history={"every": {"steps": 10}},
     )
 
@@ -355,7 +356,7 @@ def surface_stages():
         boundaries={"y-min": "separating"},
         contact=[{"bodies": "all", "friction": 0.3}, *tied],
         gravity=[0.0, -2.0],
-        output={"every": 0.25, "fields": EVERYTHING},
+        output={"every": 0.25, "fields": EVERYTHING, "surface": [*SURFACE]},
         history={"every": {"steps": 10}},
     )
     case["time"]["stages"] = [
