@@ -8,6 +8,7 @@ from collections.abc import Collection, Mapping, Sequence
 from pgimp.case.body import Body, may_be_exact
 from pgimp.case.checks.periodic import periodic_axes
 from pgimp.case.grid import Grid
+from pgimp.case.output import Output
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.contact.pairs import ContactEntry
 from pgimp.physics.loads.motion import RigidMotion
@@ -69,7 +70,9 @@ def meet_by_surfaces(
     bodies: Mapping[str, Body], method: Shape, geometry: str, boundaries: Mapping[str, Boundary]
 ) -> bool:
     """Whether bodies meet at their own surfaces, and not at the vertices of a grid."""
-    exact = all(may_be_exact(bodies, method))
+    able = may_be_exact(bodies, method)
+    initial = [b.configuration == "initial" for b in bodies.values()]
+    exact = any(initial) and able == initial
     return exact and geometry != "axisymmetric" and not periodic_axes(boundaries)
 
 
@@ -98,13 +101,14 @@ def check_contact(
         "is for scenes in which all bodies have `configuration: initial` and `surface: cut`, in a "
         "shape no wider than cells, without an axis, periodic faces or particles from files"
     )
+    now = {name for name, body in bodies.items() if body.configuration == "current"}
     earlier: dict[frozenset[str], int] = {}
     for i, entry in enumerate(contact):
         path: tuple[str | int, ...] = ("contact", i, "bodies")
         pairs = {frozenset(pair) for pair in entry.pairs()}
         if entry.itself:
             pairs |= {frozenset((name,)) for name in entry.bodies if entry.bodies != "all"}
-            if not by_surfaces:
+            if not by_surfaces or (entry.bodies != "all" and now & set(entry.bodies)):
                 yield Problem(("contact", i, "self"), f"{needs}: leave it out, or give them these")
         if entry.bodies == "all":
             pairs = {frozenset(("all",))}
@@ -125,6 +129,29 @@ def check_contact(
             names = " and ".join(sorted(pair))
             yield Problem(path, f"entry {earlier[pair] + 1} has a law for {names} already")
         earlier |= dict.fromkeys(pairs, i)
+
+
+def check_surface_output(
+    output: Output,
+    contact: Sequence[ContactEntry],
+    bodies: Mapping[str, Body],
+    method: Shape,
+    geometry: str,
+    boundaries: Mapping[str, Boundary],
+) -> Problems:
+    """Check that there are surfaces that meet, if frames of these are asked for."""
+    if not output.surface:
+        return
+    path = "output", "surface"
+    now = any(body.configuration == "current" for body in bodies.values())
+    if now or not meet_by_surfaces(bodies, method, geometry, boundaries):
+        text = (
+            "is for scenes whose bodies meet by their surfaces: give all of them `configuration: "
+            "initial` and cut cells, without an axis or periodic faces; or leave it out"
+        )
+        yield Problem(path, text)
+    elif not contact and not any(face.approaches for face in boundaries.values()):
+        yield Problem(path, "no bodies meet: name them under `contact`, or leave it out")
 
 
 def _restitution(i: int, entry: ContactEntry, soft: Collection[str]) -> Problems:

@@ -13,7 +13,15 @@ from pgimp.kernels.contact.lagrangian.reference_grid import (
     offset_of_key,
     turns,
 )
-from pgimp.kernels.data.ledger import CONTACT_AREA, WALL_HEAT, WALL_LOSS
+from pgimp.kernels.data.ledger import (
+    CONTACT_AREA,
+    MOMENT,
+    PLACED,
+    PLACES,
+    PRESSED,
+    WALL_HEAT,
+    WALL_LOSS,
+)
 from pgimp.kernels.data.record import ACCELERATION, MASS, RECORD, VELOCITY
 from pgimp.kernels.data.velocity_fields import field_count
 from pgimp.kernels.grid.conditions import Holding, hold
@@ -141,6 +149,19 @@ def book_contacts(contact, free, contact_pairs, coupling, solved, values, walls,
         place = contact_pairs.rigid[k, 2]
         _load_before(contact, contact.rigid_bodies, end, coupling, values)
         book(contact, free, ((0, 0, 0), place), 0, 1.0, True, ledger, 0)
+        first = PLACES * (end.law - 1)
+        if first < ledger.contact_moments.shape[1]:
+            _book_place(row, place, ledger.contact_moments[0, first : first + PLACES])
+
+
+@inner_kernel
+def _book_place(row, x, booked):
+    """Book the moment of a pair on its first body, and where it presses."""
+    for d in range(3):
+        e, f = (d + 1) % 3, (d + 2) % 3
+        booked[MOMENT, d] -= x[e] * impulse_of(row, f) - x[f] * impulse_of(row, e)
+        booked[PLACED, d] += row.normal_impulse * x[d]
+    booked[PRESSED, 0] += row.normal_impulse
 
 
 @inner_kernel

@@ -60,6 +60,6 @@ def book_groups(contact, free, grouped, coupling, solved, values, walls, ledger)
             ledger.work[g : g + 1], ledger.impulse[g : g + 1], ledger.outside_mass,
             ledger.constraint_impulse, ledger.wall_energy[g : g + 1], ledger.contact[g : g + 1],
             ledger.rigid_bodies[g : g + 1], ledger.escaped, ledger.filled, ledger.damping,
-            ledger.crossed, ledger.traction_impulse,
+            ledger.crossed, ledger.traction_impulse, ledger.contact_moments[g : g + 1],
         )  # fmt: skip
         book_contacts(contact, free, own, coupling, solved, values, walls, books)

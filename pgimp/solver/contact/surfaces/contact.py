@@ -23,8 +23,10 @@ from pgimp.kernels.contact.lagrangian.reference_grid import (
     read_reference_vertices,
 )
 from pgimp.kernels.contact.lagrangian.rows import Solved
+from pgimp.kernels.contact.surfaces.data import Surface, SurfaceCells, no_facets
 from pgimp.kernels.contact.surfaces.gaps import find_gaps
 from pgimp.kernels.contact.surfaces.groups import book_groups, solve_groups
+from pgimp.kernels.contact.surfaces.loads import add_loads
 from pgimp.kernels.contact.surfaces.motion import move_facets
 from pgimp.kernels.contact.surfaces.rows import find_patch_pairs
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
@@ -32,6 +34,7 @@ from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
+from pgimp.solver.contact.base import NoContact
 from pgimp.solver.contact.grown import grown
 from pgimp.solver.contact.lagrangian.joint import Joint
 from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact, nothing_held
@@ -45,8 +48,9 @@ from pgimp.solver.contact.surfaces.groups import (
     share_changes,
 )
 from pgimp.solver.contact.surfaces.kept_forces import KeptForces
+from pgimp.solver.contact.surfaces.loads import SurfaceLoads
 from pgimp.solver.contact.surfaces.overrun import OverrunWatch
-from pgimp.solver.contact.surfaces.proximity import Proximity, Share, U
+from pgimp.solver.contact.surfaces.proximity import Proximity, U
 from pgimp.solver.contact.surfaces.rebounds import rebounds_of
 from pgimp.solver.contact.surfaces.table import Table, table_of
 from pgimp.solver.rank_state import RankState
@@ -72,6 +76,9 @@ class SurfaceContact(LagrangianContact):
         self._slaves: object = None
         self._acts = np.zeros((0, 0), np.uint8)
         self._rate = 0.0
+        #: SurfaceLoads or None: Loads on facets, where the case asks for frames of surfaces.
+        self.loads = SurfaceLoads(comm) if scene.case.output.surface else None
+        self._every = no_facets(0)
         rigid_bodies = scene.interaction.rigid_bodies
         self._watch = OverrunWatch(scene, [*scene.body_names, *rigid_bodies.names])
         self._warm_start: KeptForces = KeptForces(comm)
@@ -96,6 +103,31 @@ class SurfaceContact(LagrangianContact):
         """See `NoContact.restore_search`."""
         self._proximity.restore(search)
 
+    @property
+    def surface_loads(self) -> np.ndarray:
+        """See `NoContact.surface_loads`."""
+        return self.loads.stored if self.loads else super().surface_loads
+
+    def restore_loads(self, loads: np.ndarray) -> None:
+        """See `NoContact.restore_loads`."""
+        if self.loads:
+            self.loads.restore(loads)
+
+    def follow(self, before: NoContact) -> None:
+        """See `NoContact.follow`."""
+        if self.loads and isinstance(before, SurfaceContact) and before.loads:
+            self.loads = before.loads
+
+    @property
+    def proximity(self) -> Proximity:
+        """What is near."""
+        return self._proximity
+
+    @property
+    def acts(self) -> np.ndarray:
+        """Whether facets of a body look for another's, (bodies, bodies) uint8."""
+        return self._acts
+
     def overrun(self, rank: RankState, done: Step) -> list[str]:
         """See `NoContact.overrun`."""
         if self._table is None or not self._watch.due(done):
@@ -115,20 +147,20 @@ class SurfaceContact(LagrangianContact):
             every.at(t.start, t.end, free.states if free else None)  # in place
         if free:
             free.begin(rigid_bodies, t, forcing.gravity)
-        table, rate = self._known(rank), max(every.rate, free.rate if free else 0.0)
+        table, rate = self.known(rank), max(every.rate, free.rate if free else 0.0)
         self._rate = rate
         if self._proximity.update(rank, table, self._acts, rigid_bodies, t.dt, rate):
             self._warm_start.divide(self._proximity.has)
-        near = self._proximity.near
-        assert near is not None
-        if needed(near.any):
-            self._act(rank, update, table)
-        else:
-            self._warm_start.clear()
+            if self.loads:
+                proximity = self._proximity
+                self.loads.divide(table.surface, proximity.labels, proximity.groups, proximity.met)
+        if self.loads:
+            self.loads.time += t.dt
+        self._meet(rank, update, table)
         if free:
             free.end(rigid_bodies, t.dt)
 
-    def _known(self, rank: RankState) -> Table:
+    def known(self, rank: RankState) -> Table:
         """The surfaces of all bodies; collective when they have to be found."""
         slaves = rank.slaves.keys if rank.slaves else None
         if self._table is None or self._slaves is not slaves:
@@ -149,21 +181,44 @@ class SurfaceContact(LagrangianContact):
         acts[soft, soft] &= (groups[:, None] != groups) | np.eye(len(groups), dtype=bool)
         return acts.astype(np.uint8)
 
-    def _act(self, rank: RankState, update: VertexUpdate, table: Table) -> None:
-        """Find the gaps, solve for the impulses, and apply them; collective."""
-        scene, contact, call, grid = self.scene, self._contact, self.call, rank.grid
-        t, faces, forcing, ledger = update
-        frame, share = scene.domain.frame, self._proximity.share
-        holding = Holding(faces, frame, forcing, contact.scratch_impulse, forcing.loads.relaxation)
+    def _meet(self, rank: RankState, update: VertexUpdate, table: Table) -> None:
+        """Find the pairs, and exchange impulses; collective."""
+        near = self._proximity.near
+        assert near is not None
+        if needed(near.any):
+            self._act(rank, update, self._joint(rank, update, table))
+        else:
+            self._warm_start.clear()
+
+    def _holding(self, update: VertexUpdate) -> Holding:
+        """Faces and constraints, for kernels."""
+        scratch, forcing = self._contact.scratch_impulse, update.forcing
+        frame = self.scene.domain.frame
+        return Holding(update.faces, frame, forcing, scratch, forcing.loads.relaxation)
+
+    def _joint(self, rank: RankState, update: VertexUpdate, table: Table) -> Joint:
+        """The pairs of surfaces in the rank's groups; collective."""
+        call, grid, share, proximity = self.call, rank.grid, self._proximity.share, self._proximity
+        frame, rigid, surface = self.scene.domain.frame, self.rigid_bodies, table.surface
+        cells, every, scratch = share.cells, proximity.candidates, proximity.scratch
         values = np.empty(len(share.records), REFERENCE_VERTEX)
-        call(read_reference_vertices, holding, grid.field, share.sent, values)
+        call(read_reference_vertices, self._holding(update), grid.field, share.sent, values)
         speed = greatest(self.comm, float(np.abs(values["velocity"]).max(initial=0.0)))
         u = np.ascontiguousarray(grid.kept.values.reshape(-1, RECORD)[share.records, U])
         u, values = share.gather(self.comm, u), share.gather(self.comm, values)
-        joint = self._pairs(table, share, u, values, (t.dt, speed))
+        call(move_facets, frame, rigid, surface, cells, u, share.moving, scratch)
+        far = proximity.far
+        call(find_gaps, frame, rigid, self._walls, surface, (cells, u), scratch, far, every)
+        vertices = ReferenceVertices(share.keys, values)
+        return self._pairs(surface, cells, every, vertices, (update.t.dt, speed))
+
+    def _act(self, rank: RankState, update: VertexUpdate, joint: Joint | None) -> None:
+        """Solve for the impulses of the rank's pairs, and apply them; collective."""
+        scene, call, grid, (_, _, forcing, ledger) = self.scene, self.call, rank.grid, update
+        frame, holding = scene.domain.frame, self._holding(update)
         self._books = np.empty(0, np.int64), books_of(ledger, 0)
         changes = Changes(np.empty(0, np.int64), *np.empty((2, 0, 3)))
-        if needed(len(joint.pairs.ends)):
+        if joint is not None and needed(len(joint.pairs.ends)):
             changes = self._solve(joint, nothing_held(holding), ledger)
         else:
             self._warm_start.clear()
@@ -210,30 +265,32 @@ class SurfaceContact(LagrangianContact):
         self._books = grouped.number, books_of(ledger, len(grouped.number))
         of = self._contact, free, (grouped.pairs, grouped.first), coupling, solved, vertices
         self.call(book_groups, *of, self._walls, self._books[1])
+        if self.loads:
+            assert self._table is not None
+            self.call(
+                add_loads, self._contact, pairs, coupling, solved, self.scene.domain.frame,
+                self._table.surface, self._every, (self._dt, *self.loads.arrays),
+            )  # fmt: skip
 
     def _pairs(
-        self, table: Table, share: Share, u: np.ndarray, values: np.ndarray,
-        step: tuple[float, float],
+        self, surface: Surface, cells: SurfaceCells, every: np.ndarray,
+        reference: ReferenceVertices, step: tuple[float, float],
     ) -> Joint:  # fmt: skip
         """The pairs of patches and other bodies, with their rows of B.
 
         `step` has its length, and the greatest speed of a vertex.
         """
-        call, frame, surface = self.call, self.scene.domain.frame, table.surface
-        proximity, rigid, cells = self._proximity, self.rigid_bodies, share.cells
-        every, scratch = proximity.candidates, proximity.scratch
-        call(move_facets, frame, rigid, surface, cells, u, share.moving, scratch)
-        far = proximity.far
-        call(find_gaps, frame, rigid, self._walls, surface, (cells, u), scratch, far, every)
-        most = len(every)
-        pairs, seen = ContactPairs.empty(most), np.empty((2, len(share.keys)), np.int64)
+        call, frame, most = self.call, self.scene.domain.frame, len(every)
+        keys, values = reference
+        pairs, seen = ContactPairs.empty(most), np.empty((2, len(keys)), np.int64)
         vertices, counts = (flat(values), seen, np.empty(2 ** len(frame.cell))), [0, 0]
         dt, speed = step
         fastest = speed + self._rate * min(frame.cell)
 
         def fill(coupling: Coupling) -> int:
+            self._every = every.copy()
             counts[0], counts[1], used = call(
-                find_patch_pairs, self._contact, frame, surface, cells, every.copy(), (dt, fastest),
+                find_patch_pairs, self._contact, frame, surface, cells, self._every, (dt, fastest),
                 vertices, (pairs, coupling),
             )  # fmt: skip
             return int(used)
@@ -254,4 +311,4 @@ class SurfaceContact(LagrangianContact):
             coupling.start[: rows + 1], coupling.column[:used], coupling.entry[:used],
             coupling.answer[:rows], coupling.beyond[:rows],
         )  # fmt: skip
-        return Joint(pairs.chosen(slice(found)), coupling, ReferenceVertices(share.keys, values))
+        return Joint(pairs.chosen(slice(found)), coupling, reference)

@@ -2,6 +2,7 @@
 
 from scenes import SOFT, box, scene
 
+from pgimp.physics.columns import SURFACE
 from rank_scenes.entries import EVERYTHING, GRID, PAIR, turning
 
 
@@ -81,6 +82,31 @@ def exact_means():
         name: {"body": body, "at": at, "fields": ["recovered-stress"], "every": {"steps": 10}}
         for name, body, at in (("top", "bar", [7.3, 2.98]), ("side", "disk", [7.2, 5.4]))
     }
+    return case
+
+
+def exact_skins():
+    """A thin body on a thick one, which a stage takes away: its cells' means are over others then.
+
+    Vertices of the thin one are slaves before, and have the masses of others after.
+    """
+    bodies = {"thick": box([2.0, 1.0], [15.0, 3.0]), "skin": box([3.0, 3.0], [14.2, 3.15])}
+    clamp = {"body": "thick", "region": {"box": {"min": [2.0, 1.0], "max": [3.0, 3.0]}}}
+    case = scene(
+        2,
+        {name: body | {"configuration": "initial"} for name, body in bodies.items()},
+        cells=[18, 9],
+        shape="finite-gimp",
+        end=0.5,
+        step={"courant": 0.3},
+        gravity=[0.0, -20.0],
+        constraints={"clamp": clamp | {"velocity": [0.0, 0.0]}},
+        output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},
+        history={"every": {"steps": 10}},
+    )
+    case["method"]["volumetric"] = "mean"
+    gone = {"remove": ["thick"], "constraints": {"clamp": None}}
+    case["time"]["stages"] = [{"name": "skinned", "end": 0.8} | gone]
     return case
 
 
@@ -301,6 +327,39 @@ def surface_contact():
             {"bodies": ["lies", "glued"], "law": "tied"},
             {"bodies": ["lies", "drum"], "adhesion": {"normal": 1.0, "reach": 0.3}},
         ],
+        output={"every": 0.25, "fields": EVERYTHING, "surface": [*SURFACE]},
+        history={"every": {"steps": 10}},
+    )
+
+
+def surface_beside():
+    """Bodies exact to their surface meet others in the current configuration, across slabs.
+
+    These also meet each other, a rigid tool, a free rigid body and a floor that lets go.
+    """
+    more = {"configuration": "initial", "surface": "exact"}
+    disk = {"ball": {"centre": [4.3, 5.2], "radius": 1.37}}
+    bodies = {
+        "bed": box([3.0, 0.0], [15.0, 2.0]),
+        "flies": {"material": "stiff", "region": disk, "velocity": [3.0, -4.0]} | more,
+        "slides": box([8.5, 2.0], [10.57, 4.1], [3.0, 0.0]) | more,
+        "falls": box([9.0, 4.3], [11.5, 6.0], [1.0, -3.0], "stiff"),
+        "puck": {"rigid": {"density": 2.0}, "velocity": [-1.0, -2.0],
+                 "region": {"box": {"min": [12.2, 2.3], "max": [13.9, 4.0]}}},
+        "ram": {"rigid": {"velocity": [-2.0, 0.0]},
+                "region": {"box": {"min": [15.3, 0.5], "max": [17.0, 3.0]}}},
+    }  # fmt: skip
+    return scene(
+        2,
+        bodies,
+        cells=[24, 8],
+        shape="finite-gimp",
+        end=1.0,
+        step={"courant": 0.3},
+        materials=PAIR,
+        gravity=[0.0, -1.0],
+        boundaries={"y-min": {"separating": {"friction": 0.2}}, "x-max": "slip"},
+        contact=[{"bodies": "all", "friction": {"static": 0.4, "kinetic": 0.3}}],
         output={"every": 0.25, "fields": EVERYTHING},
         history={"every": {"steps": 10}},
     )
@@ -330,7 +389,7 @@ def surface_stages():
         boundaries={"y-min": "separating"},
         contact=[{"bodies": "all", "friction": 0.3}, *tied],
         gravity=[0.0, -2.0],
-        output={"every": 0.25, "fields": EVERYTHING},
+        output={"every": 0.25, "fields": EVERYTHING, "surface": [*SURFACE]},
         history={"every": {"steps": 10}},
     )
     case["time"]["stages"] = [
