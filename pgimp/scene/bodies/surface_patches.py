@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pgimp.scene.bodies.elements import Elements, Indices, Reals
+from pgimp.scene.bodies.elements import Elements, Indices, Reals, half_edges
 from pgimp.scene.bodies.lattice_body import LatticeBody
 from pgimp.scene.bodies.surface_elements import Closed, find_elements
 
@@ -22,9 +22,9 @@ LEAST_FACET, LEAST_PATCH = 1e-6, 0.5
 #: Least cosines between normals of patches that join, and of facets and the greatest of a patch.
 _ALIKE, _FLAT = 0.7, 0.8
 
-#: Moments across the normal, over area times size, above which an element has several faces; and
-#: least area of one of these.
-_BENT = 0.02
+#: Moments across the normal, over area times size, above which an element has several faces, and
+#: least area of one of these; what their areas may lack of the element's.
+_BENT, _LACKS = 1e-3, 0.02
 
 
 class Facets(NamedTuple):
@@ -36,6 +36,7 @@ class Facets(NamedTuple):
     #: middle, half: (n, 3) float64: Middle and half-sides of the part of a box that each is in.
     middle: Reals
     half: Reals
+    edges: Reals  #: (n, 2, 3) float64: See `half_edges`.
     patch: Indices  #: (n,) int64: Number of each facet's patch, ascending.
 
     @classmethod
@@ -86,6 +87,7 @@ def facets_of(body: LatticeBody, origin: Reals, cell: Reals, closed: Closed = ()
         size[order],
         _three(found.centre[order]),
         _three(found.half[order]),
+        np.pad(half_edges(found, x, normal, size)[order], ((0, 0), (0, 0), (0, 3 - len(cell)))),
         patch[order],
     )
 
@@ -105,9 +107,9 @@ def _parted(elements: Elements, size: Reals) -> Elements:
     D = len(size)
     length = np.minimum(reach, area ** (1.0 / (D - 1)) if D > 1 else reach)
     bent = np.sqrt((askew * askew).sum(axis=(1, 2))) > _BENT * area * length
-    large = area > _BENT * reach ** (D - 1)
+    large = area > _LACKS * reach ** (D - 1)
     plain, middle = np.flatnonzero(~bent & large), elements.centroid
-    rows, areas, moments = [], [], []
+    rows, areas, moments, seconds = [], [], [], []
     keep = np.ones(len(area), bool)
     for one in np.flatnonzero(bent & (area > 0.0)).tolist():
         away = np.abs(elements.centre[plain] - elements.centre[one]).max(axis=1)
@@ -123,17 +125,18 @@ def _parted(elements: Elements, size: Reals) -> Elements:
         each = elements.area[one] @ dual
         whole = each > _BENT * area[one]
         rest = elements.area[one] - each[whole] @ np.array(normals)[whole]
-        if (each < -_BENT * area[one]).any() or np.sqrt(rest @ rest) > _BENT * area[one]:
+        if (each < -_LACKS * area[one]).any() or np.sqrt(rest @ rest) > _LACKS * area[one]:
             continue
         keep[one] = False
         for i in np.flatnonzero(whole):
             rows.append(one)
             areas.append(each[i] * normals[i])
             moments.append(np.outer(elements.moment[one] @ dual[:, i], normals[i]))
+            seconds.append(np.outer(elements.second[one] @ dual[:, i], normals[i]))
     if not rows:
         return elements
     parts = elements.chosen(np.array(rows))
-    parts = parts._replace(area=np.array(areas), moment=np.array(moments))
+    parts = parts._replace(area=np.array(areas), moment=np.array(moments), second=np.array(seconds))
     both = zip(elements.chosen(keep), parts, strict=True)
     return Elements(*(np.concatenate(each) for each in both))  # type: ignore[arg-type]
 

@@ -156,7 +156,8 @@ class SurfaceContact(LagrangianContact):
         call(find_gaps, frame, rigid, self._walls, surface, (cells, u), scratch, far, every)
         most = len(every)
         pairs, seen = ContactPairs.empty(most), np.empty((2, len(near.keys)), np.int64)
-        vertices, counts = (flat(values), seen, np.empty(2 ** len(frame.cell))), [0, 0]
+        sums, counts = np.empty(2 ** len(frame.cell)), [0, 0]
+        vertices = (flat(values), seen, sums, scratch[-1])
         fastest = float(np.abs(values["velocity"]).max(initial=0.0)) + self._rate * min(frame.cell)
 
         def fill(coupling: Coupling) -> int:

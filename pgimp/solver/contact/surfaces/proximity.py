@@ -14,6 +14,7 @@ from pgimp.kernels.contact.surfaces.data import SurfaceCells, no_facets
 from pgimp.kernels.contact.surfaces.gaps import FARTHEST
 from pgimp.kernels.contact.surfaces.motion import move_facets
 from pgimp.kernels.contact.surfaces.search import bound_clusters, find_meeting, mark_between
+from pgimp.kernels.contact.surfaces.spread import pieces_of
 from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_VELOCITY
 from pgimp.kernels.data.record import RECORD
 from pgimp.mpi.communicator import Communicator
@@ -72,7 +73,10 @@ class Proximity:
         self.near: Near | None = None
         self.candidates, self.moving = no_facets(0), np.empty(0, np.int64)
         self.root = 0
-        self.scratch = np.zeros((3, 3)), np.zeros((2**scene.dimension, 3)), np.zeros(3)
+        self.scratch = (
+            np.zeros((3, 3)), np.zeros((2**scene.dimension, 3)), np.zeros(3),
+            pieces_of(scene.dimension),
+        )  # fmt: skip
         cell, pairs = np.array(scene.domain.frame.cell), scene.interaction.pairs
         adheres = pairs.adhesion[:, 2].max(initial=0.0) if pairs else 0.0
         self.far = max(FARTHEST * cell.min(), adheres)
@@ -241,6 +245,10 @@ class Proximity:
         marks, used = np.zeros(len(table.keys), bool), np.zeros(len(cells.low), bool)
         some = table.surface.cell[facets]
         used[some[some >= 0]] = True
+        beside = cells.beside[used]  # facets there may reach into these
+        for _ in range(self.scene.dimension - 1):
+            used[beside[beside >= 0]] = True
+            beside = cells.beside[used]
         marks[cells.corners[used].reshape(-1)] = True
         marks[cells.column[np.repeat(used, np.diff(cells.start))]] = True
         number = np.cumsum(marks) - 1

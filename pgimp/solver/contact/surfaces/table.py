@@ -78,8 +78,8 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     start, beside = _beside(facets.x, body, float(cell.max()) * _BESIDE[D - 1], D)
     surface = Surface(
         facets.x, facets.normal, facets.middle, facets.half, facets.area, facets.patch, body,
-        index, place, _tips(facets, start, beside), start, beside,
-        np.full((len(body), 3), np.inf), np.zeros((len(body), 3)),
+        index, place, facets.edges, _tips(facets, start, beside), start, beside,
+        np.full((len(body), 3), np.inf), np.zeros((len(body), 3)), np.zeros((len(body), 2, 3)),
     )  # fmt: skip
     keys = np.empty(len(numbers), np.int64)
     keys_of_vertices(_bits(frame, 1 + max(fields, default=0)), numbers, keys)
@@ -186,9 +186,24 @@ def _cells(
     low[:, :D] = origin + places[:, 1:] * cell
     cells = SurfaceCells(
         low, np.searchsorted(every, corners).reshape(-1, len(corner)), start,
-        np.ascontiguousarray(pairs[:, 1]), weights,
+        np.ascontiguousarray(pairs[:, 1]), weights, _cells_beside(places),
     )  # fmt: skip
     return cells, of, np.stack(Vertices.numbers(rank, every), axis=1)
+
+
+def _cells_beside(places: np.ndarray) -> np.ndarray:
+    """The cells below and above along each direction, (m, 6); -1 for none.
+
+    `places` are fields and numbers along the directions, (m, 1 + D), each once.
+    """
+    number = {place: cell for cell, place in enumerate(map(tuple, places.tolist()))}
+    found = np.full((len(places), 6), -1)
+    for d in range(1, places.shape[1]):
+        for side in (0, 1):
+            step = (2 * side - 1) * (np.arange(places.shape[1]) == d)
+            moved = map(tuple, (places + step).tolist())
+            found[:, 2 * (d - 1) + side] = [number.get(place, -1) for place in moved]
+    return found
 
 
 def _have_mass(rank: RankState, keys: np.ndarray) -> np.ndarray:
