@@ -7,6 +7,7 @@ at vertices.
 """
 
 from math import sqrt
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +30,11 @@ def pieces_of(D: int) -> Pieces:
     """Allocate the pieces of a facet, see `spread_weights`."""
     count = 3**D + 1
     return np.zeros(count, np.int64), np.zeros((count, 2**D)), np.zeros((2, 16, 3)), np.zeros(3)
+
+
+def scratch_of(D: int) -> tuple[Any, ...]:
+    """Allocate what `move_facets` and `find_gaps` need."""
+    return np.zeros((3, 3)), np.zeros((2**D, 3)), np.zeros(3), pieces_of(D)
 
 
 @inner_kernel

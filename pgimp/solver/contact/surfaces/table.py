@@ -194,15 +194,20 @@ def _cells(
 def _cells_beside(places: np.ndarray) -> np.ndarray:
     """The cells below and above along each direction, (m, 6); -1 for none.
 
-    `places` are fields and numbers along the directions, (m, 1 + D), each once.
+    `places` are fields and numbers along the directions, (m, 1 + D), ascending.
     """
-    number = {place: cell for cell, place in enumerate(map(tuple, places.tolist()))}
     found = np.full((len(places), 6), -1)
+    if not len(places):
+        return found
+    inside = places - places.min(axis=0) + 1
+    shape = tuple(inside.max(axis=0) + 2)
+    keys = np.ravel_multi_index(tuple(inside.T), shape)
     for d in range(1, places.shape[1]):
+        step = int(np.prod(shape[d + 1 :]))
         for side in (0, 1):
-            step = (2 * side - 1) * (np.arange(places.shape[1]) == d)
-            moved = map(tuple, (places + step).tolist())
-            found[:, 2 * (d - 1) + side] = [number.get(place, -1) for place in moved]
+            moved = keys + (2 * side - 1) * step
+            at = np.minimum(np.searchsorted(keys, moved), len(keys) - 1)
+            found[:, 2 * (d - 1) + side] = np.where(keys[at] == moved, at, -1)
     return found
 
 
