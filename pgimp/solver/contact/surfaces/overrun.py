@@ -86,6 +86,8 @@ class OverrunWatch:
             if two in self._told or (a < len(soft)) != (b < len(soft)):
                 continue
             of, its = surface.now[surface.body == b], np.flatnonzero(body == a)
+            if not len(of):  # a body that a stage has removed
+                continue
             low, high = of.min(axis=0) + deep, of.max(axis=0) - deep
             its = its[((point[its] > low) & (point[its] < high))[:, :D].all(axis=1)]
             if not len(its) or not self._closed(table, b):
