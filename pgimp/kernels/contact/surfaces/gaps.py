@@ -305,9 +305,6 @@ def find_gaps(frame, rigid_bodies, walls, surface, moved, scratch, far, every):
             same = 0.0
             for d in range(3):
                 same += surface.turned[s, d] * surface.turned[near.other, d]
-            if same < STEEP and surface.body[s] > near.body:
-                near.gap = inf  # faces on each other: of the first body
-                continue
             most = far * far + reluctance(same, frame.cell[0])
             if _square(D, surface, s, frame.cell[0], near.other) > most:
                 near.gap = inf
