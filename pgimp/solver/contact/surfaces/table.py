@@ -65,6 +65,7 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     letting = {(face.axis, face.side) for face in scene.domain.faces if face.condition.approaches}
     closed = [face for face in scene.interaction.loads.surfaces.closed if face not in letting]
     gone = [scene.body_names.index(name) for name in scene.case.staged.removed]
+    gone += np.flatnonzero(~scene.settings.lagrangian).tolist()  # of these facets know nothing
     here = [number for number in range(len(every)) if number not in gone]
     found = [facets_of(every[number], origin, cell, closed) for number in here]
     body = np.repeat(here, [len(each.x) for each in found])
@@ -82,7 +83,7 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
         np.full((len(body), 3), np.inf), np.zeros((len(body), 3)), np.zeros((len(body), 2, 3)),
     )  # fmt: skip
     keys = np.empty(len(numbers), np.int64)
-    keys_of_vertices(_bits(frame, 1 + max(fields, default=0)), numbers, keys)
+    keys_of_vertices(bits_of(frame, 1 + max(fields, default=0)), numbers, keys)
     number = np.floor((facets.x[:, :D] - origin) / (WIDE * cell)).astype(np.int64)
     _, cluster = np.unique(np.column_stack([body, number]), axis=0, return_inverse=True)
     cluster = cluster.reshape(-1)
@@ -99,8 +100,8 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
 
 
 def _bodies(scene: Scene) -> list[LatticeBody]:
-    found = Lattice(scene.case).bodies
-    assert all(isinstance(body, LatticeBody) for body in found)
+    found, exact = Lattice(scene.case).bodies, scene.settings.exact_surfaces
+    assert all(isinstance(body, LatticeBody) for body, own in zip(found, exact, strict=True) if own)
     return found  # type: ignore[return-value]
 
 
@@ -121,7 +122,7 @@ def _rigid_bodies(scene: Scene) -> list[LatticeBody]:
     return found
 
 
-def _bits(frame: object, fields: int) -> tuple[int, int, int]:
+def bits_of(frame: object, fields: int) -> tuple[int, int, int]:
     """See `pgimp.kernels.contact.lagrangian.reference_grid.key_bits`."""
     most = (*frame.vertices, 1, 1)[1:3]  # type: ignore[attr-defined]
     return (*((int(n) - 1).bit_length() for n in most), (fields - 1).bit_length())  # type: ignore
