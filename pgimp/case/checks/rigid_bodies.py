@@ -6,7 +6,6 @@ import math
 from collections.abc import Mapping, Sequence
 
 from pgimp.case.body import Body
-from pgimp.case.checks.periodic import periodic_axes
 from pgimp.case.grid import Grid
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.contact.pairs import ContactEntry
@@ -68,8 +67,7 @@ def meet_by_surfaces(
     bodies: Mapping[str, Body], geometry: str, boundaries: Mapping[str, Boundary]
 ) -> bool:
     """Whether bodies meet at their own surfaces, and not at the vertices of a grid."""
-    exact = all(b.configuration == "initial" and b.surface == "exact" for b in bodies.values())
-    return exact and geometry != "axisymmetric" and not periodic_axes(boundaries)
+    return all(b.configuration == "initial" and b.surface == "exact" for b in bodies.values())
 
 
 def check_contact(
@@ -84,8 +82,7 @@ def check_contact(
     body_names, soft = [*body_names, *rigid_bodies], set(body_names)
     by_surfaces = meet_by_surfaces(bodies, geometry, boundaries)
     needs = (
-        "is for scenes in which all bodies have `configuration: initial` and `surface: exact`, "
-        "without an axis or periodic faces"
+        "is for scenes in which all bodies have `configuration: initial` and `surface: exact`"
     )
     earlier: dict[frozenset[str], int] = {}
     for i, entry in enumerate(contact):

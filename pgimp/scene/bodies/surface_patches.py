@@ -11,6 +11,7 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pgimp.scene.bodies.elements import Elements, Indices, Reals
 from pgimp.scene.bodies.lattice_body import LatticeBody
@@ -22,9 +23,19 @@ LEAST_FACET, LEAST_PATCH = 1e-6, 0.5
 #: Least cosines between normals of patches that join, and of facets and the greatest of a patch.
 _ALIKE, _FLAT = 0.7, 0.8
 
+#: Part of the mean radius of a facet by which it reaches farther than a disc of its area.
+_WIDE = 1.25
+
+#: Cells within which facets are on a plane.
+_AT = 1e-6
+
 #: Moments across the normal, over area times size, above which an element has several faces; and
 #: least area of one of these.
 _BENT = 0.02
+
+#: Periods of the domain, and where the part of a rigid body that spans them begins, see
+#: `facets_of`.
+Around = tuple[Reals, ...] | None
 
 
 class Facets(NamedTuple):
@@ -32,7 +43,8 @@ class Facets(NamedTuple):
 
     x: Reals  #: (n, 3) float64: Centroids in the initial state.
     normal: Reals  #: (n, 3) float64: Unit normals, out of the body.
-    area: Reals  #: (n,) float64: Areas.
+    area: Reals  #: (n,) float64: Areas, of rings all round.
+    radius: Reals  #: (n,) float64: Radii of discs of these sizes; half-lengths in 2D.
     #: middle, half: (n, 3) float64: Middle and half-sides of the part of a box that each is in.
     middle: Reals
     half: Reals
@@ -53,7 +65,14 @@ class Facets(NamedTuple):
         return int(self.patch[-1]) + 1 if len(self.patch) else 0
 
 
-def facets_of(body: LatticeBody, origin: Reals, cell: Reals, closed: Closed = ()) -> Facets:
+def facets_of(
+    body: LatticeBody,
+    origin: Reals,
+    cell: Reals,
+    closed: Closed = (),
+    ring: bool = False,
+    around: Around = None,
+) -> Facets:
     """Facets of a body, in patches.
 
     Parameters
@@ -64,6 +83,11 @@ def facets_of(body: LatticeBody, origin: Reals, cell: Reals, closed: Closed = ()
         A vertex of the grid, and the sides of a cell.
     closed : sequence of (axis, side)
         See `find_elements`.
+    ring : bool
+        Whether facets stand for rings about the axis x = 0.
+    around : tuple of (D,) float64, optional
+        Periods of the domain, 0 where there are none: patches go on across a seam. With a low end
+        only facets within a period of it count, and none on planes at the third.
     """
     low, high = body.box[0]
     found = _parted(find_elements(body, None, (low - 1, high + 1), closed), np.array(body.size))
@@ -78,15 +102,29 @@ def facets_of(body: LatticeBody, origin: Reals, cell: Reals, closed: Closed = ()
     _, first, same = np.unique(places, axis=0, return_index=True, return_inverse=True)
     size = np.asarray(np.bincount(same.reshape(-1), size), float)
     found, x, normal = found.chosen(first), x[first], normal[first]
-    patch = _patches(x, normal, size, origin, cell, side)
+    if ring:  # what reaches across the axis has no part there
+        beyond = x[:, 0] > LEAST_FACET * cell[0]
+        found, x, normal, size = found.chosen(beyond), x[beyond], normal[beyond], size[beyond]
+    periods, *ends = around or (np.zeros(len(cell)),)
+    if ends:
+        inside = _within_period(x, normal, cell, periods, *ends)
+        found, x, normal, size = found.chosen(inside), x[inside], normal[inside], size[inside]
+    patch = _patches(x, normal, size, origin, cell, periods)
     order = np.argsort(patch, kind="stable")
+    x, normal, size, patch = x[order], normal[order], size[order], patch[order]
+    # All facets of a patch are at one side of a seam, also beyond the domain.
+    _, first, number = np.unique(patch, return_index=True, return_inverse=True)
+    away = _whole_periods(x - x[first][number.reshape(-1)], periods)
+    x, middle = x - away, found.centre[order] - away
+    radius = 0.5 * size if len(cell) < 3 else _WIDE * np.sqrt(size / np.pi)
+    if ring:
+        r = x[:, 0].copy()
+        # The centroid of a strip that weighs with its radius is farther out than its middle.
+        x[:, 0] += (normal[:, 1] * size) ** 2 / (12.0 * r)
+        x[:, 1] -= normal[:, 0] * normal[:, 1] * size**2 / (12.0 * r)
+        size = 2.0 * np.pi * r * size
     return Facets(
-        _three(x[order]),
-        _three(normal[order]),
-        size[order],
-        _three(found.centre[order]),
-        _three(found.half[order]),
-        patch[order],
+        _three(x), _three(normal), size, radius, _three(middle), _three(found.half[order]), patch
     )
 
 
@@ -143,8 +181,25 @@ def _three(values: Reals) -> Reals:
     return np.pad(values, ((0, 0), (0, 3 - values.shape[1])))
 
 
+def _whole_periods(way: Reals, periods: Reals) -> Reals:
+    """Whole periods in vectors."""
+    return np.asarray(np.rint(way / np.where(periods > 0.0, periods, np.inf)) * periods)
+
+
+def _within_period(
+    x: Reals, normal: Reals, cell: Reals, periods: Reals, begin: Reals, low: Reals
+) -> NDArray[np.bool_]:
+    """Mask of facets within a period, and not on the planes where an image begins."""
+    found = np.ones(len(x), bool)
+    for d in np.flatnonzero(periods):
+        found &= (begin[d] <= x[:, d]) & (x[:, d] < begin[d] + periods[d])
+        plane = np.abs(_whole_periods(x - low, periods)[:, d] - (x - low)[:, d]) < _AT * cell[d]
+        found &= ~(plane & (np.abs(normal[:, d]) > 1.0 - _AT))
+    return found
+
+
 def _patches(
-    x: Reals, normal: Reals, area: Reals, origin: Reals, cell: Reals, side: float
+    x: Reals, normal: Reals, area: Reals, origin: Reals, cell: Reals, periods: Reals
 ) -> Indices:
     """Numbers of the facets' patches."""
     if not len(x):
@@ -160,7 +215,9 @@ def _patches(
         np.asarray(np.stack([np.bincount(patch, area * e) for e in v.T], axis=1), float)
         for v in (x, normal)
     )
-    into = _joins(places, total, np.asarray(centre / total[:, None]), np.asarray(mean), side)
+    side = float(np.prod(cell)) ** (1.0 - 1.0 / len(cell))
+    around = periods, np.rint(periods / cell).astype(np.int64)
+    into = _joins(places, total, np.asarray(centre / total[:, None]), mean, side, around)
     return np.unique(into[patch], return_inverse=True)[1].reshape(-1)
 
 
@@ -185,14 +242,26 @@ def _flat(places: Indices, patch: Indices, normal: Reals, area: Reals) -> tuple[
     return np.concatenate(more), patch
 
 
-def _joins(places: Indices, total: Reals, centre: Reals, mean: Reals, side: float) -> Indices:
-    """The patch that each patch is part of: small ones join the nearest whose normal is alike."""
+def _joins(
+    places: Indices,
+    total: Reals,
+    centre: Reals,
+    mean: Reals,
+    side: float,
+    around: tuple[Reals, Indices],
+) -> Indices:
+    """The patch that each patch is part of: small ones join the nearest whose normal is alike.
+
+    `around` are the domain's periods, and the cells in them; 0 without any.
+    """
     into = np.arange(len(total))
     small = np.flatnonzero(total < LEAST_PATCH * side)
     if not len(small):
         return into
     by_place: dict[tuple[int, ...], list[int]] = {}
-    for number, place in enumerate(places.tolist()):
+    periods, cells = around
+    length = np.where(cells > 0, cells, 1 << 60)
+    for number, place in enumerate((places % length).tolist()):
         by_place.setdefault(tuple(place), []).append(number)
     steps = [*product((-1, 0, 1), repeat=places.shape[1])]
     unit = mean / np.sqrt((mean * mean).sum(axis=1))[:, None]
@@ -210,14 +279,14 @@ def _joins(places: Indices, total: Reals, centre: Reals, mean: Reals, side: floa
         near = [
             other
             for step in steps
-            for other in by_place.get(
-                tuple(a + b for a, b in zip(places[one], step, strict=True)), ()
-            )
+            for other in by_place.get(tuple(((places[one] + step) % length).tolist()), ())
         ]
         near = [n for n in near if root(n) != own and float(unit[n] @ unit[one]) > _ALIKE]
         if not near:
             continue
-        away = [round(float(((centre[n] - centre[one]) ** 2).sum()) / side**2, 9) for n in near]
+        way = centre[near] - centre[one]
+        way -= _whole_periods(way, periods)
+        away = np.round((way * way).sum(axis=1) / side**2, 9)
         best = root(near[int(np.argmin(away))])
         into[own] = best
         area[best] += area[own]

@@ -30,7 +30,8 @@ from pgimp.solver.contact.lagrangian.joint import Joint, share
 from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact, nothing_held
 from pgimp.solver.contact.lagrangian.selected import flat
 from pgimp.solver.contact.surfaces.proximity import Near, Proximity
-from pgimp.solver.contact.surfaces.table import Table, table_of
+from pgimp.solver.contact.surfaces.seams import changes_of_images
+from pgimp.solver.contact.surfaces.table import Table, key_bits, table_of
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.vertices import VertexUpdate
 
@@ -140,6 +141,9 @@ class SurfaceContact(LagrangianContact):
             answers = self.rigid_bodies.responses["trial_impulse"] if self.free else np.empty(0)
             changes = share(self.comm, root, changes, answers)
         assert changes is not None
+        if scene.domain.periodic[0]:
+            bits = key_bits(scene.domain.frame, 1 + max(self.fields, default=0))
+            changes = changes_of_images(changes, scene.domain.frame, bits)
         self.changes = changes
         call(change_velocities, frame, grid.field, changes, forcing, ledger.work)
         call(book_held, holding, grid.field, changes, ledger)

@@ -20,6 +20,7 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.grown import grown
 from pgimp.solver.contact.lagrangian.messages import greatest, swap
+from pgimp.solver.contact.surfaces.seams import close_images, with_images
 from pgimp.solver.contact.surfaces.table import Table, bins_of, records_of
 from pgimp.solver.rank_state import RankState
 
@@ -204,8 +205,12 @@ class Proximity:
         soft = len(self.scene.body_names)
         cell, motion = np.array(frame.cell), rank.grid.kept
         ends = np.full((2, len(table.body), D), np.inf)
-        clusters = table.owner, table.corner
-        self.call(bound_clusters, frame, table.numbers, self._records, motion, clusters, ends)
+        clusters, numbers, records = (table.owner, table.corner), table.numbers, self._records
+        if table.turns.any():  # a vertex on a seam is at both ends of the domain
+            numbers, records = numbers[table.corner], records[table.corner]
+            numbers[:, :D] += table.turns * frame.cells
+            clusters = table.owner, np.arange(len(numbers))
+        self.call(bound_clusters, frame, numbers, records, motion, clusters, ends)
         ends = _least(self.comm, ends)
         for c in np.flatnonzero((table.body >= soft) & (table.body < bodies)):
             row = rigid.motion[table.body[c] - soft]
@@ -220,10 +225,16 @@ class Proximity:
         """Pairs of clusters that may meet, and for each wall the facets that may meet it."""
         frame, both = self.scene.domain.frame, acts | acts.T
         cell, reach = np.array(frame.cell), self._reach
-        some = _beside(table.body, low, high, reach, both)
-        a, b = some[close_pairs(low[some], high[some], reach)].T
+        periods = self.scene.domain.periods
+        if periods.any():
+            some, (a, b) = np.arange(len(low)), close_images(low, high, frame.origin, periods, reach)
+        else:
+            some = _beside(table.body, low, high, reach, both)
+            a, b = some[close_pairs(low[some], high[some], reach)].T
+            within = (low[a] <= high[b] + reach).all(axis=1)
+            within &= (low[b] <= high[a] + reach).all(axis=1)
+            a, b = a[within], b[within]
         met = both[table.body[a], table.body[b]] != 0
-        met &= (low[a] <= high[b] + reach).all(axis=1) & (low[b] <= high[a] + reach).all(axis=1)
         alone = some[both[table.body[some], table.body[some]] != 0]
         on_walls = {}
         soft = np.flatnonzero(table.body < len(self.scene.body_names))
@@ -292,10 +303,17 @@ class Proximity:
         frame = self.scene.domain.frame
         call(move_facets, frame, rigid, surface, near.cells, u, near.facets, self.scratch)
         marks, reach = np.zeros(len(surface.x), np.uint8), (self._reach.max(), frame.cell[0])
-        call(mark_between, surface, (table.first, table.members), meeting, reach[0], marks)
-        some = np.flatnonzero(marks)
+        there, periods = surface, self.scene.domain.periods
+        if periods.any():
+            own = table.facets(np.unique(meeting[0]))
+            there, which = with_images(surface, own, frame.origin, periods, reach[0])
+            some = np.arange(len(which))
+        else:
+            call(mark_between, surface, (table.first, table.members), meeting, reach[0], marks)
+            some = np.flatnonzero(marks)
         marks[:] = 0
-        key_of, strides = bins_of(surface.now[some], reach[0], self.scene.dimension)
+        found_near = marks if there is surface else np.zeros(len(some), np.uint8)
+        key_of, strides = bins_of(there.now[some], reach[0], self.scene.dimension)
         order = np.argsort(key_of, kind="stable")
         bins, count = (key_of, key_of[order], order, strides), len(acts)
         best = np.full(count, np.inf), np.empty(count, np.int64), np.empty(count, np.int64)
@@ -305,10 +323,15 @@ class Proximity:
                 2 * len(some) + 16,
                 no_facets,
                 lambda room: call(
-                    find_meeting, surface, acts, some, bins, reach, marks, best, room
+                    find_meeting, there, acts, some, bins, reach, found_near, best, room
                 ),
             )
-            parts.append(every[:found])
+            every = every[:found]
+            if there is not surface:  # what images find, they find as well
+                every = every[every["facet"] < len(own)]
+                every["facet"], every["other"] = which[every["facet"]], which[every["other"]]
+                marks[which[found_near != 0]] = 1
+            parts.append(every)
         for body, these in on_walls.items():
             axis, side, place, *_ = self.walls.planes[body - self.walls.first].tolist()
             at = frame.origin[axis] + (place - frame.ghost) * frame.cell[axis]
