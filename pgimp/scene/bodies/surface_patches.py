@@ -109,13 +109,18 @@ def facets_of(
     if ends:
         inside = _within_period(x, normal, cell, periods, *ends)
         found, x, normal, size = found.chosen(inside), x[inside], normal[inside], size[inside]
+    x, middle = x.copy(), found.centre.copy()
+    for d in np.flatnonzero(periods):  # places, and so patches, in one order wherever a seam is
+        below = x[:, d] < _beginning(x[:, d], periods[d], _AT * cell[d])
+        x[below, d] += periods[d]
+        middle[below, d] += periods[d]
     patch = _patches(x, normal, size, origin, cell, periods)
     order = np.argsort(patch, kind="stable")
     x, normal, size, patch = x[order], normal[order], size[order], patch[order]
     # All facets of a patch are at one side of a seam, also beyond the domain.
     _, first, number = np.unique(patch, return_index=True, return_inverse=True)
     away = _whole_periods(x - x[first][number.reshape(-1)], periods)
-    x, middle = x - away, found.centre[order] - away
+    x, middle = x - away, middle[order] - away
     radius = 0.5 * size if len(cell) < 3 else _WIDE * np.sqrt(size / np.pi)
     if ring:
         r = x[:, 0].copy()
@@ -184,6 +189,18 @@ def _three(values: Reals) -> Reals:
 def _whole_periods(way: Reals, periods: Reals) -> Reals:
     """Whole periods in vectors."""
     return np.asarray(np.rint(way / np.where(periods > 0.0, periods, np.inf)) * periods)
+
+
+def _beginning(x: Reals, period: float, least: float) -> float:
+    """Coordinate after the widest gap between others, in a ring; the first of about as wide ones.
+
+    Others are at most a period apart.
+    """
+    places = np.sort(x)
+    if not len(places):
+        return 0.0
+    gaps = np.diff(places, prepend=places[-1] - period)
+    return float(places[np.flatnonzero(gaps > gaps.max() - least)[0]]) - least
 
 
 def _within_period(

@@ -50,7 +50,7 @@ def one_period(
     edge = origin + np.ceil((low - origin) / size - _AT) * size
     begin = np.where(high - low > length + size, edge, low - far)
     begin = np.where((low < origin + far) & (high > origin + length - far), origin, begin)
-    return length, np.where(length > 0.0, begin, -np.inf), np.where(length > 0.0, low, -np.inf)
+    return length, np.where(length > 0.0, begin, 0.0), np.where(length > 0.0, low, 0.0)
 
 
 def close_images(
@@ -103,8 +103,10 @@ def _images(
     """
     number, shift = np.arange(len(low)), np.zeros(low.shape)
     around = [(d, float(periods[d])) for d in np.flatnonzero(periods)]
+    some = np.isfinite(low).all(axis=1)
     for d, period in around:
-        shift[:, d] = -np.floor((0.5 * (low[:, d] + high[:, d]) - origin[d]) / period) * period
+        middle = 0.5 * (low[some, d] + high[some, d])
+        shift[some, d] = -np.floor((middle - origin[d]) / period) * period
     for d, period in around:
         below = np.flatnonzero(low[number, d] + shift[:, d] < origin[d] + reach)
         above = np.flatnonzero(high[number, d] + shift[:, d] > origin[d] + period - reach)
