@@ -57,6 +57,8 @@ GO_ON = {
         "initial_contact",
         "surface_contact",
         "surface_stages",
+        "surface_rings",
+        "surface_round",
         "initial_lattice",
         "averaged_lattice",
         "averaged_contact",

@@ -97,11 +97,17 @@ def facets_of(
     found, size = found.chosen(some), size[some]
     normal = found.area / size[:, None]
     x = found.centroid
-    # A surface between two boxes has an element in each.
-    places = np.rint(1e6 * np.column_stack([x / body.size, normal])) + 0.0
+    # A surface between two boxes has an element in each; nearly there, also two that cancel.
+    ways = np.rint(1e6 * normal) + 0.0
+    leading = ways[np.arange(len(ways)), np.argmax(ways != 0.0, axis=1)]
+    sign = np.where(leading < 0.0, -1.0, 1.0)
+    places = np.column_stack([np.rint(1e3 * x / body.size), sign[:, None] * ways]) + 0.0
     _, first, same = np.unique(places, axis=0, return_index=True, return_inverse=True)
-    size = np.asarray(np.bincount(same.reshape(-1), size), float)
-    found, x, normal = found.chosen(first), x[first], normal[first]
+    size = np.asarray(np.bincount(same.reshape(-1), sign * size), float)
+    way = (np.sign(size) * sign[first])[:, None]
+    found, x, normal, size = found.chosen(first), x[first], way * normal[first], np.abs(size)
+    some = size > LEAST_FACET * side
+    found, x, normal, size = found.chosen(some), x[some], normal[some], size[some]
     if ring:  # what reaches across the axis has no part there
         beyond = x[:, 0] > LEAST_FACET * cell[0]
         found, x, normal, size = found.chosen(beyond), x[beyond], normal[beyond], size[beyond]
@@ -289,7 +295,7 @@ def _joins(
             one = int(into[one])
         return one
 
-    for one in small[np.argsort(total[small], kind="stable")].tolist():
+    for one in small[np.argsort(np.round(total[small] / side, 9), kind="stable")].tolist():
         own = root(one)
         if area[own] >= LEAST_PATCH * side:
             continue

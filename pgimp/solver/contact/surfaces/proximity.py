@@ -143,7 +143,7 @@ class Proximity:
     def _find_root(self, rank: RankState) -> None:
         """Find the rank with the first layer; collective."""
         slab = rank.grid.slab
-        first = slab.layers and slab.lower is None
+        first = slab.layers and (slab.lower is None or slab.first == self.scene.domain.ring)
         self.root = -int(greatest(self.comm, -self.comm.rank if first else -self.comm.size))
 
     def _everywhere(self, own: np.ndarray, u: np.ndarray) -> np.ndarray:

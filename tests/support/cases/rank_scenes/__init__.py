@@ -47,6 +47,7 @@ from rank_scenes.periods import endless, layer, rigid_round, round_and_round
 from rank_scenes.plates import plates, plates_initial
 from rank_scenes.rings import rings, rings_free, rings_initial, rings_initial_contact
 from rank_scenes.squeezed_blocks import SIZED
+from rank_scenes.surfaces import surface_rings, surface_round
 from rank_scenes.turned import turned
 
 #: What tests take from here besides.
@@ -102,6 +103,8 @@ SCENES = (
             initial_contact,
             surface_contact,
             surface_stages,
+            surface_rings,
+            surface_round,
             initial_lattice,
             averaged_lattice,
             averaged_contact,
