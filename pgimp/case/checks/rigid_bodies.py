@@ -81,9 +81,7 @@ def check_contact(
     """Check that the entries of contact name bodies, and no pair twice."""
     body_names, soft = [*body_names, *rigid_bodies], set(body_names)
     by_surfaces = meet_by_surfaces(bodies, geometry, boundaries)
-    needs = (
-        "is for scenes in which all bodies have `configuration: initial` and `surface: exact`"
-    )
+    needs = "is for scenes in which all bodies have `configuration: initial` and `surface: exact`"
     earlier: dict[frozenset[str], int] = {}
     for i, entry in enumerate(contact):
         path: tuple[str | int, ...] = ("contact", i, "bodies")

@@ -124,9 +124,14 @@ def turning(entry: RigidBody, D: int) -> bool:
 
 
 def spans(entry: RigidBody, periods: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Periods of the directions along which a body that does not turn spans them, else 0, (D,)."""
+    """Periods of the directions along which a body that does not turn spans them, else 0, (D,).
+
+    One that moves freely, with all of its mass, is no longer than that.
+    """
     low, high = (np.array(end, float) for end in entry.region.bounds())
     whole = (periods > 0.0) & (high - low > (1.0 - 1e-9) * periods)
+    if not isinstance(entry.rigid, Motion):
+        whole &= high - low < (1.0 + 1e-9) * periods
     return np.where(whole & (not turning(entry, len(periods))), periods, 0.0)
 
 

@@ -227,7 +227,10 @@ class Proximity:
         cell, reach = np.array(frame.cell), self._reach
         periods = self.scene.domain.periods
         if periods.any():
-            some, (a, b) = np.arange(len(low)), close_images(low, high, frame.origin, periods, reach)
+            some, (a, b) = (
+                np.arange(len(low)),
+                close_images(low, high, frame.origin, periods, reach),
+            )
         else:
             some = _beside(table.body, low, high, reach, both)
             a, b = some[close_pairs(low[some], high[some], reach)].T

@@ -235,9 +235,7 @@ def records_of(rank: RankState, numbers: np.ndarray) -> np.ndarray:
     return np.where(there, i * stride[0] + field * size + j * stride[1] + k * stride[2], -1)
 
 
-def _tips(
-    facets: Facets, start: np.ndarray, beside: np.ndarray, periods: np.ndarray
-) -> np.ndarray:
+def _tips(facets: Facets, start: np.ndarray, beside: np.ndarray, periods: np.ndarray) -> np.ndarray:
     """Mask of the facets beside a sharp edge: a neighbour's normal is nearly the opposite one."""
     own = np.repeat(np.arange(len(facets.x)), np.diff(start))
     alike = (facets.normal[own] * facets.normal[beside]).sum(axis=1)
