@@ -217,7 +217,12 @@ def _cells(
 def _have_mass(rank: RankState, keys: np.ndarray) -> np.ndarray:
     """Mask of the vertices with mass on any rank; collective."""
     at = records_of(rank, np.stack(Vertices.numbers(rank, keys), axis=1))
-    mass = rank.grid.kept.values.reshape(-1, RECORD)[:, KEPT_MASS]
+    grid = rank.grid
+    masses = grid.by_vertex(grid.kept.values)[..., KEPT_MASS].copy()
+    for seam in rank.scene.domain.seams:  # both copies have parts
+        inside, beyond = grid.copies(masses, seam.axis)
+        inside += beyond
+    mass = masses.reshape(-1)
     found = np.zeros(len(keys), np.uint8)
     found[at >= 0] = mass[at[at >= 0]] > 0.0
     return united(rank.comm, found).astype(bool)

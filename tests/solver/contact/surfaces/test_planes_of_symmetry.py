@@ -20,12 +20,9 @@ def model(D, whole, soft):
     round_one = {"ball": {"centre": [middle] * (D - 1) + [2.0], "radius": 1.93}}
     within = {"box": {"min": [0] * D, "max": cells}}
     region = {"intersection": [round_one, within]} if soft else round_one
-    bodies = {
-        "block": {"material": "soft", "region": block, "velocity": [0.0] * (D - 1) + [-2.0]} | EXACT,
-        "ball": {"material": "soft", "region": region} | EXACT
-        if soft
-        else {"rigid": {}, "region": region},
-    }  # fmt: skip
+    falls = {"material": "soft", "region": block, "velocity": [0.0] * (D - 1) + [-2.0]} | EXACT
+    stays = {"material": "soft", "region": region} | EXACT
+    bodies = {"block": falls, "ball": stays if soft else {"rigid": {}, "region": region}}
     faces = {f"{'xyz'[D - 1]}-min": "fixed"}
     if not whole:
         faces |= {f"{axis}-min": "slip" for axis in "xy"[: D - 1]}
