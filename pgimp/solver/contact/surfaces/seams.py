@@ -102,7 +102,7 @@ def _images(
     boxes within `reach` of a seam.
     """
     number, shift = np.arange(len(low)), np.zeros(low.shape)
-    around = [(d, float(periods[d])) for d in np.flatnonzero(periods)]
+    around = [(d, period) for d, period in enumerate(periods.tolist()) if period > 0.0]
     some = np.isfinite(low).all(axis=1)
     for d, period in around:
         middle = 0.5 * (low[some, d] + high[some, d])
