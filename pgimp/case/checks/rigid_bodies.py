@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from pgimp.case.body import Body
+from pgimp.case.body import Body, may_be_exact
 from pgimp.case.grid import Grid
-from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.contact.pairs import ContactEntry
 from pgimp.physics.loads.motion import RigidMotion
 from pgimp.physics.rigid import FREEDOMS, Free, RigidBody
+from pgimp.physics.shapes.base import Shape
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems
@@ -63,11 +63,9 @@ def _free(path: tuple[str | int, ...], dimensions: int, body: RigidBody, free: F
             yield Problem((*path, "velocity"), "it moves in a way that `fixed` excludes")
 
 
-def meet_by_surfaces(
-    bodies: Mapping[str, Body], geometry: str, boundaries: Mapping[str, Boundary]
-) -> bool:
+def meet_by_surfaces(bodies: Mapping[str, Body], method: Shape) -> bool:
     """Whether bodies meet at their own surfaces, and not at the vertices of a grid."""
-    return all(b.configuration == "initial" and b.surface == "exact" for b in bodies.values())
+    return all(may_be_exact(bodies, method))
 
 
 def check_contact(
@@ -75,13 +73,15 @@ def check_contact(
     rigid_bodies: Mapping[str, RigidBody],
     contact: Sequence[ContactEntry],
     bodies: Mapping[str, Body],
-    geometry: str,
-    boundaries: Mapping[str, Boundary],
+    method: Shape,
 ) -> Problems:
     """Check that the entries of contact name bodies, and no pair twice."""
     body_names, soft = [*body_names, *rigid_bodies], set(body_names)
-    by_surfaces = meet_by_surfaces(bodies, geometry, boundaries)
-    needs = "is for scenes in which all bodies have `configuration: initial` and `surface: exact`"
+    by_surfaces = meet_by_surfaces(bodies, method)
+    needs = (
+        "is for scenes in which all bodies have `configuration: initial` and `surface: cut`, in a "
+        "shape no wider than cells, without particles from files"
+    )
     earlier: dict[frozenset[str], int] = {}
     for i, entry in enumerate(contact):
         path: tuple[str | int, ...] = ("contact", i, "bodies")

@@ -187,10 +187,10 @@ meetings = Feature("contact, also with rigid bodies and between configurations",
 meetings_at_vertices = Feature(
     "contact, rigid bodies, separating walls for bodies in the initial configuration, unless all "
     "are exact to their surface",
-    lambda bodies, rigid_bodies, boundaries, contact: (
-        Place(("bodies", name, "surface"), name)
+    lambda bodies, rigid_bodies, boundaries, contact, method: (
+        Place(("bodies", name, "configuration"), name)
         for _ in _meetings(bodies, rigid_bodies, boundaries, contact)
-        if not meet_by_surfaces(bodies, "", {})
+        if not meet_by_surfaces(bodies, method)
         for name in some_initial(bodies)
     ),
 )

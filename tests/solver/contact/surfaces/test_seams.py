@@ -150,6 +150,6 @@ def test_a_free_body_is_no_longer_than_a_period():
     with pytest.raises(CaseError, match="as it turns"):
         start(case)
     case = sliding(0.0, "rigid")
-    case["bodies"]["block"]["surface"] = "cut"
-    with pytest.raises(CaseError, match="surface: exact for all bodies"):
+    case["bodies"]["block"]["surface"] = "whole"
+    with pytest.raises(CaseError, match="surface: cut for all bodies"):
         pgimp.load(case)
