@@ -51,6 +51,7 @@ class Interaction:
             self.pairs = Pairs.of(case.contact, [*case.bodies, *self.rigid_bodies.names])
         if self.pairs and meet_by_surfaces(case.bodies, case.method):
             self.rigid_bodies.meeting = self._rigid_pairs(case)
+            self.rigid_bodies.meets_walls = True
         of_body = np.array(materials.body_material, np.int64)
         flows = SceneFlows(case, materials.entries, of_body, current, domain.faces, self.pairs)
         self.flows = flows if flows.rates.any() else None

@@ -85,6 +85,7 @@ class SceneRigidBodies:
         self.meeting: frozenset[frozenset[int]] = frozenset()
         #: Whether bodies meet them at their surfaces.
         self.by_surfaces = meet_by_surfaces(case.bodies, case.method)
+        self.meets_walls = False  # those that let go
         self._kept: RigidBodies | None = None
         self._placed: dict[int, bytes] = {}
 
