@@ -59,6 +59,8 @@ GO_ON = {
         "surface_contact",
         "surface_beside",
         "surface_stages",
+        "surface_rings",
+        "surface_round",
         "initial_lattice",
         "averaged_lattice",
         "averaged_contact",

@@ -69,11 +69,14 @@ def _free(path: tuple[str | int, ...], dimensions: int, body: RigidBody, free: F
 def meet_by_surfaces(
     bodies: Mapping[str, Body], method: Shape, geometry: str, boundaries: Mapping[str, Boundary]
 ) -> bool:
-    """Whether bodies meet at their own surfaces, and not at the vertices of a grid."""
+    """Whether bodies meet at their own surfaces, and not at the vertices of a grid.
+
+    With others in the current configuration only without an axis and periodic faces.
+    """
     able = may_be_exact(bodies, method)
     initial = [b.configuration == "initial" for b in bodies.values()]
-    exact = any(initial) and able == initial
-    return exact and geometry != "axisymmetric" and not periodic_axes(boundaries)
+    whole = geometry != "axisymmetric" and not periodic_axes(boundaries)
+    return any(initial) and able == initial and (all(initial) or whole)
 
 
 def check_contact(
@@ -99,7 +102,7 @@ def check_contact(
             yield Problem(("boundaries", face), text)
     needs = (
         "is for scenes in which all bodies have `configuration: initial` and `surface: cut`, in a "
-        "shape no wider than cells, without an axis, periodic faces or particles from files"
+        "shape no wider than cells, without particles from files"
     )
     now = {name for name, body in bodies.items() if body.configuration == "current"}
     earlier: dict[frozenset[str], int] = {}
@@ -147,7 +150,7 @@ def check_surface_output(
     if now or not meet_by_surfaces(bodies, method, geometry, boundaries):
         text = (
             "is for scenes whose bodies meet by their surfaces: give all of them `configuration: "
-            "initial` and cut cells, without an axis or periodic faces; or leave it out"
+            "initial` and cut cells; or leave it out"
         )
         yield Problem(path, text)
     elif not contact and not any(face.approaches for face in boundaries.values()):

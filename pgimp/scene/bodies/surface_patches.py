@@ -7,6 +7,7 @@ direction. Small ones join a neighbour.
 
 from __future__ import annotations
 
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,13 +26,24 @@ LEAST_FACET, LEAST_PATCH = 1e-4, 0.5
 #: Least cosine between normals of patches that join.
 _ALIKE = 0.7
 
+#: Part of the mean radius of a facet by which it reaches farther than a disc of its area.
+_WIDE = 1.25
+
+#: Cells within which facets are on a plane.
+_AT = 1e-6
+
+#: Periods of the domain, and where the part of a rigid body that spans them begins, see
+#: `facets_of`.
+Around = tuple[Reals, ...] | None
+
 
 class Facets(NamedTuple):
     """Facets of surfaces, those of a patch together; of three components each vector."""
 
     x: Reals  #: (n, 3) float64: Centroids in the initial state.
     normal: Reals  #: (n, 3) float64: Unit normals, out of the body.
-    area: Reals  #: (n,) float64: Areas.
+    area: Reals  #: (n,) float64: Areas, of rings all round.
+    radius: Reals  #: (n,) float64: Radii of discs of these sizes; half-lengths in 2D.
     #: middle, half: (n, 3) float64: Middle and half-sides of the part of a box that each is in.
     middle: Reals
     half: Reals
@@ -53,7 +65,14 @@ class Facets(NamedTuple):
         return int(self.patch[-1]) + 1 if len(self.patch) else 0
 
 
-def facets_of(body: LatticeBody, origin: Reals, cell: Reals, closed: Closed = ()) -> Facets:
+def facets_of(
+    body: LatticeBody,
+    origin: Reals,
+    cell: Reals,
+    closed: Closed = (),
+    ring: bool = False,
+    around: Around = None,
+) -> Facets:
     """Facets of a body, in patches.
 
     Parameters
@@ -64,6 +83,11 @@ def facets_of(body: LatticeBody, origin: Reals, cell: Reals, closed: Closed = ()
         A vertex of the grid, and the sides of a cell.
     closed : sequence of (axis, side)
         See `find_elements`.
+    ring : bool
+        Whether facets stand for rings about the axis x = 0.
+    around : tuple of (D,) float64, optional
+        Periods of the domain, 0 where there are none: patches go on across a seam. With a low end
+        only facets within a period of it count, and none on planes at the third.
     """
     low, high = body.box[0]
     found = parted(find_elements(body, None, (low - 1, high + 1), closed))
@@ -73,21 +97,54 @@ def facets_of(body: LatticeBody, origin: Reals, cell: Reals, closed: Closed = ()
     found, size = found.chosen(some), size[some]
     normal = found.area / size[:, None]
     x = found.centroid
-    # A surface between two boxes has an element in each.
-    places = np.rint(1e6 * np.column_stack([x / body.size, normal])) + 0.0
+    # A surface between two boxes has an element in each; nearly there, also two that cancel.
+    ways = np.rint(1e6 * normal) + 0.0
+    leading = ways[np.arange(len(ways)), np.argmax(ways != 0.0, axis=1)]
+    sign = np.where(leading < 0.0, -1.0, 1.0)
+    places = np.column_stack([np.rint(1e3 * x / body.size), sign[:, None] * ways]) + 0.0
     first, same = _distinct(places)
-    size = np.asarray(np.bincount(same, size), float)
-    found, x, normal = found.chosen(first), x[first], normal[first]
-    patch = _patches(x, normal, size, origin, cell, side)
+    size = np.asarray(np.bincount(same, sign * size), float)
+    way = (np.sign(size) * sign[first])[:, None]
+    found, x, normal, size = found.chosen(first), x[first], way * normal[first], np.abs(size)
+    some = size > LEAST_FACET * side
+    found, x, normal, size = found.chosen(some), x[some], normal[some], size[some]
+    if ring:  # what reaches across the axis has no part there
+        beyond = x[:, 0] > LEAST_FACET * cell[0]
+        found, x, normal, size = found.chosen(beyond), x[beyond], normal[beyond], size[beyond]
+    periods, *ends = around or (np.zeros(len(cell)),)
+    if ends:
+        inside = _within_period(x, normal, cell, periods, *ends)
+        found, x, normal, size = found.chosen(inside), x[inside], normal[inside], size[inside]
+    edges = half_edges(found, x, normal, size)
+    x, middle = x.copy(), found.centre.copy()
+    for d in np.flatnonzero(periods):  # places, and so patches, in one order wherever a seam is
+        below = x[:, d] < _beginning(x[:, d], periods[d], _AT * cell[d])
+        x[below, d] += periods[d]
+        middle[below, d] += periods[d]
+    patch = _patches(x, normal, size, origin, cell, periods)
     order = np.argsort(patch, kind="stable")
+    edges = edges[order]
+    x, normal, size, patch = x[order], normal[order], size[order], patch[order]
+    # All facets of a patch are at one side of a seam, also beyond the domain.
+    _, first, number = np.unique(patch, return_index=True, return_inverse=True)
+    away = _whole_periods(x - x[first][number.reshape(-1)], periods)
+    x, middle = x - away, middle[order] - away
+    radius = 0.5 * size if len(cell) < 3 else _WIDE * np.sqrt(size / np.pi)
+    if ring:
+        r = x[:, 0].copy()
+        # The centroid of a strip that weighs with its radius is farther out than its middle.
+        x[:, 0] += (normal[:, 1] * size) ** 2 / (12.0 * r)
+        x[:, 1] -= normal[:, 0] * normal[:, 1] * size**2 / (12.0 * r)
+        size = 2.0 * np.pi * r * size
     return Facets(
-        _three(x[order]),
-        _three(normal[order]),
-        size[order],
-        _three(found.centre[order]),
+        _three(x),
+        _three(normal),
+        size,
+        radius,
+        _three(middle),
         _three(found.half[order]),
-        np.pad(half_edges(found, x, normal, size)[order], ((0, 0), (0, 0), (0, 3 - len(cell)))),
-        patch[order],
+        np.pad(edges, ((0, 0), (0, 0), (0, 3 - len(cell)))),
+        patch,
     )
 
 
@@ -106,8 +163,37 @@ def _three(values: Reals) -> Reals:
     return np.pad(values, ((0, 0), (0, 3 - values.shape[1])))
 
 
+def _whole_periods(way: Reals, periods: Reals) -> Reals:
+    """Whole periods in vectors."""
+    return np.asarray(np.rint(way / np.where(periods > 0.0, periods, np.inf)) * periods)
+
+
+def _beginning(x: Reals, period: float, least: float) -> float:
+    """Coordinate after the widest gap between others, in a ring; the first of about as wide ones.
+
+    Others are at most a period apart.
+    """
+    places = np.sort(x)
+    if not len(places):
+        return 0.0
+    gaps = np.diff(places, prepend=places[-1] - period)
+    return float(places[np.flatnonzero(gaps > gaps.max() - least)[0]]) - least
+
+
+def _within_period(
+    x: Reals, normal: Reals, cell: Reals, periods: Reals, begin: Reals, low: Reals
+) -> NDArray[np.bool_]:
+    """Mask of facets within a period, and not on the planes where an image begins."""
+    found = np.ones(len(x), bool)
+    for d in np.flatnonzero(periods):
+        found &= (begin[d] <= x[:, d]) & (x[:, d] < begin[d] + periods[d])
+        plane = np.abs(_whole_periods(x - low, periods)[:, d] - (x - low)[:, d]) < _AT * cell[d]
+        found &= ~(plane & (np.abs(normal[:, d]) > 1.0 - _AT))
+    return found
+
+
 def _patches(
-    x: Reals, normal: Reals, area: Reals, origin: Reals, cell: Reals, side: float
+    x: Reals, normal: Reals, area: Reals, origin: Reals, cell: Reals, periods: Reals
 ) -> Indices:
     """Numbers of the facets' patches."""
     if not len(x):
@@ -123,7 +209,9 @@ def _patches(
         np.asarray(np.stack([np.bincount(patch, area * e) for e in v.T], axis=1), float)
         for v in (x, normal)
     )
-    into = _joins(places, total, np.asarray(centre / total[:, None]), np.asarray(mean), side)
+    side = float(np.prod(cell)) ** (1.0 - 1.0 / len(cell))
+    around = periods, np.rint(periods / cell).astype(np.int64)
+    into = _joins(places, total, np.asarray(centre / total[:, None]), mean, side, around)
     return np.unique(into[patch], return_inverse=True)[1].reshape(-1)
 
 
@@ -150,8 +238,18 @@ def _flat(places: Indices, patch: Indices, normal: Reals, area: Reals) -> tuple[
     return np.concatenate(more), patch
 
 
-def _joins(places: Indices, total: Reals, centre: Reals, mean: Reals, side: float) -> Indices:
-    """The patch that each patch is part of: small ones join the nearest whose normal is alike."""
+def _joins(
+    places: Indices,
+    total: Reals,
+    centre: Reals,
+    mean: Reals,
+    side: float,
+    around: tuple[Reals, Indices],
+) -> Indices:
+    """The patch that each patch is part of: small ones join the nearest whose normal is alike.
+
+    `around` are the domain's periods, and the cells in them; 0 without any.
+    """
     into = np.arange(len(total))
     small = np.flatnonzero(total < LEAST_PATCH * side)
     if not len(small):
@@ -164,14 +262,20 @@ def _joins(places: Indices, total: Reals, centre: Reals, mean: Reals, side: floa
             one = int(into[one])
         return one
 
-    # Patches beside the small ones, the nearest first.
-    row, near = beside(places[small].astype(float), np.full(len(small), 1.5), places.astype(float))
+    # Patches beside the small ones, also across seams, the nearest first.
+    periods, cells = around
+    ways = np.array([*product(*((0, -n, n) if n else (0,) for n in cells.tolist()))])
+    points = (ways[:, None] + places).reshape(-1, places.shape[1]).astype(float)
+    row, near = beside(places[small].astype(float), np.full(len(small), 1.5), points)
+    near %= len(places)
     alike = (unit[near] * unit[small[row]]).sum(axis=1) > _ALIKE
     row, near = row[alike], near[alike]
-    away = np.round(((centre[near] - centre[small[row]]) ** 2).sum(axis=1) / side**2, 9)
+    way = centre[near] - centre[small[row]]
+    way -= _whole_periods(way, periods)
+    away = np.round((way * way).sum(axis=1) / side**2, 9)
     order = np.lexsort((*places[near].T[::-1], away, row))
     near, start = near[order], np.searchsorted(row, np.arange(len(small) + 1))
-    for k in np.argsort(total[small], kind="stable").tolist():
+    for k in np.argsort(np.round(total[small] / side, 9), kind="stable").tolist():
         own = root(int(small[k]))
         if area[own] >= LEAST_PATCH * side:
             continue

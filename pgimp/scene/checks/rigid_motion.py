@@ -122,10 +122,10 @@ def known_in_part(scene: Scene) -> Iterator[str]:
 
 def _edges_on_axis(scene: Scene) -> list[Warned]:
     """Warnings of bodies whose section ends on the axis, or less than a cell beyond it."""
-    if not scene.case.axisymmetric:
+    bodies = scene.interaction.rigid_bodies
+    if not scene.case.axisymmetric or bodies.by_surfaces:
         return []
     found, cell = [], scene.case.grid.cell[0]
-    bodies = scene.interaction.rigid_bodies
     for name, ends in zip(bodies.names, bodies.ends, strict=True):
         low, high = ends[:, 0].tolist()
         if -cell < low < _ON_AXIS * cell:

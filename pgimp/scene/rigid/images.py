@@ -116,25 +116,52 @@ def nearest_image(
     return np.asarray(x - turns * periods)
 
 
+def turning(entry: RigidBody, D: int) -> bool:
+    """Whether a rigid body may turn, in D dimensions."""
+    if isinstance(entry.rigid, Motion):
+        return entry.rigid.rotation is not None
+    return any(entry.rigid.may(D)[3:])
+
+
+def spans(entry: RigidBody, periods: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Periods of the directions along which a body that does not turn spans them, else 0, (D,).
+
+    One that moves freely, with all of its mass, is no longer than that.
+    """
+    low, high = (np.array(end, float) for end in entry.region.bounds())
+    whole = (periods > 0.0) & (high - low > (1.0 - 1e-9) * periods)
+    if not isinstance(entry.rigid, Motion):
+        whole &= high - low < (1.0 + 1e-9) * periods
+    return np.where(whole & (not turning(entry, len(periods))), periods, 0.0)
+
+
 def require_short(
-    entry: RigidBody, field: DistanceField, frame: Frame, periods: NDArray[np.float64], name: str
+    entry: RigidBody,
+    field: DistanceField,
+    frame: Frame,
+    periods: NDArray[np.float64],
+    name: str,
+    by_surfaces: bool,
 ) -> None:
     """Refuse a body so long that a vertex may be near two of its images.
+
+    `by_surfaces` is whether bodies meet at their surfaces: then it may also span the domain.
 
     Raises
     ------
     CaseError
         Always with the greatest length.
     """
-    motion, D = entry.rigid, len(frame.cell)
+    D = len(frame.cell)
     sides = field.spacing * (field.shape[:D] - 1) - 2.0 * MARGIN * np.array(frame.cell)
-    turning = not isinstance(motion, Motion) or motion.rotation is not None
-    if turning and D > 1:
+    turns = turning(entry, D)
+    if turns and D > 1:
         sides = np.full(D, float(np.sqrt(np.square(sides).sum())))
+    spanned = spans(entry, periods) if by_surfaces else np.zeros(D)
     for d in np.flatnonzero(periods):
         most = float(periods[d]) - 2.0 * CERTAINLY * sum(frame.cell)
-        if sides[d] > most:
-            turned = " as it turns" if turning and D > 1 else ""
+        if sides[d] > most and not spanned[d]:
+            turned = " as it turns" if turns and D > 1 else ""
             raise CaseError(
                 f"bodies.{name}.region: is up to {sides[d]:.4g} long along {AXES[d]}{turned}, and "
                 f"the domain repeats every {periods[d]:.4g}: with these cells its images come too "

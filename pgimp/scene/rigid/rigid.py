@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pgimp.case.checks.rigid_bodies import meet_by_surfaces
 from pgimp.case.locations import located
 from pgimp.case.schema import Case
 from pgimp.geometry.distancefield import DistanceField
@@ -82,6 +83,10 @@ class SceneRigidBodies:
         self.ends: list[NDArray[np.float64]] = []
         #: Pairs of rigid bodies that act on each other, by their numbers.
         self.meeting: frozenset[frozenset[int]] = frozenset()
+        #: Whether bodies meet them at their surfaces.
+        self.by_surfaces = meet_by_surfaces(
+            case.bodies, case.method, case.geometry, case.boundaries
+        )
         self.meets_walls = False  # those that let go
         self._kept: RigidBodies | None = None
         self._placed: dict[int, bytes] = {}
@@ -120,7 +125,8 @@ class SceneRigidBodies:
             for number, (name, entry, one) in enumerate(
                 zip(self.names, self.entries, found, strict=True)
             ):
-                require_short(entry, one.field, self.frame, self.periods, name)
+                around_it = self.frame, self.periods, name, self.by_surfaces
+                require_short(entry, one.field, *around_it)
                 if one.inertia:
                     self.free[number] = FreeBody(name, entry, one.inertia, *around)
         # Steps depend on these: one rank computes them, because machines may round differently.

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from pgimp.case.checks.exclusions.feature import Feature, Place, named, of_bodies, of_key
+from pgimp.case.checks.rigid_bodies import meet_by_surfaces
 from pgimp.geometry.regions import REGIONS, Box, Points
 from pgimp.physics.loads.motion import RigidMotion
 from pgimp.physics.rigid import RigidBody
@@ -191,11 +192,13 @@ def _meetings(bodies: Any, rigid_bodies: Any, boundaries: Any, contact: Any) -> 
 
 
 meetings = Feature("contact, also with rigid bodies and between configurations", _meetings)
-meetings_of_initial = Feature(
-    "contact, rigid bodies, separating walls for bodies in the initial configuration",
-    lambda bodies, rigid_bodies, boundaries, contact: (
+meetings_at_vertices = Feature(
+    "contact, rigid bodies, separating walls for bodies in the initial configuration, unless all "
+    "are exact to their surface",
+    lambda bodies, rigid_bodies, boundaries, contact, method: (
         Place(("bodies", name, "configuration"), name)
         for _ in _meetings(bodies, rigid_bodies, boundaries, contact)
+        if not meet_by_surfaces(bodies, method, "", boundaries)
         for name in some_initial(bodies)
     ),
 )

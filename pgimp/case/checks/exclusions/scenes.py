@@ -110,9 +110,11 @@ SCENES = (
         )
     ),
     # Periodic faces.
-    Exclusion(f.meetings_of_initial, g.periodic,
-        _PERIODIC + "where bodies in the initial configuration meet nothing yet: no contact, "
-        "separating walls, rigid bodies, or bodies in the current configuration", "take current"),
+    Exclusion(f.meetings_at_vertices, g.periodic,
+        _PERIODIC + "where bodies in the initial configuration meet others, rigid bodies and "
+        "separating walls by their own surfaces only",
+        "take surface: cut for all bodies, in a shape no wider than cells, or configuration: "
+        "current"),
     Exclusion(f.initial_not_uniform, g.periodic,
         _PERIODIC + "where the vertices of bodies in the initial configuration begin at one "
         "velocity, [..]", "take configuration: current"),

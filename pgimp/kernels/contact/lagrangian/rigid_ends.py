@@ -12,7 +12,7 @@ from pgimp.jit.kernel import inlined, inner_kernel, is_record
 from pgimp.jit.memory import structure
 from pgimp.kernels.contact.fill import fill
 from pgimp.kernels.contact.rigid_fields import set_rigid_velocity
-from pgimp.kernels.rigid.bodies import find_distance, lever, move_freely, position_of
+from pgimp.kernels.rigid.bodies import arm_of, find_distance, lever, move_freely, position_of
 from pgimp.kernels.rigid.ring_volume import ring_volume_factor
 
 #: What a rigid body fills of the neighbourhood of a vertex: whether that is known, and whether it
@@ -25,11 +25,10 @@ RIGID_FILL = structure(
 UNKNOWN, FAR, NEAR = 0, 1, 2
 
 
-@inner_kernel
+@inlined
 def _arm(rigid_bodies, t, rigid):
-    """Vector from the centre of a rigid body to where a pair is."""
-    motion = rigid_bodies.motion[t]
-    return tuple(rigid[2, d] - motion.centre[d] for d in range(3))
+    """Vector from the centre of a rigid body, or of its nearest image, to where a pair is."""
+    return arm_of(rigid_bodies, t, (rigid[2, 0], rigid[2, 1], rigid[2, 2]))
 
 
 @inner_kernel

@@ -1,10 +1,12 @@
 """Surfaces of bodies for the kernels of contact: facets, patches, and the grid's cells there."""
 
-from typing import NamedTuple
+from math import floor
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pgimp.jit.kernel import inlined, inner_kernel, is_array
 from pgimp.jit.memory import structure
 from pgimp.kernels.data.particles import FloatArray, IntArray
 
@@ -36,6 +38,7 @@ class Surface(NamedTuple):
     middle: FloatArray
     half: FloatArray
     area: FloatArray  #: (n,) float64.
+    radius: FloatArray  #: (n,) float64: Radii of discs of these sizes, half-lengths in 2D.
     patch: IntArray  #: (n,) int64.
     body: IntArray  #: (n,) int64: Bodies; rigid ones come after the others.
     cell: IntArray  #: (n,) int64: Numbers in `SurfaceCells`; -1 on rigid bodies.
@@ -50,6 +53,8 @@ class Surface(NamedTuple):
     now: FloatArray
     turned: FloatArray
     extent: FloatArray  #: (n, 2, 3) float64: Likewise half-edges.
+    #: (3,) float64 or (): Period by direction, 0 where there is none; () if no face is periodic.
+    periods: Any
 
 
 class SurfaceCells(NamedTuple):
@@ -62,6 +67,20 @@ class SurfaceCells(NamedTuple):
     column: IntArray
     weight: FloatArray  #: (k, 2^D) float64: Weights of each at the cell's vertices.
     beside: IntArray  #: (m, 6) int64: Cells below and above along each direction, or -1.
+
+
+@inlined
+def turns(surface, way, d):
+    """Length of the whole periods in a component `d` of a vector, so that the rest is shortest."""
+    if is_array(surface.periods):
+        return _whole(way, surface.periods[d])
+    return 0.0
+
+
+@inner_kernel
+def _whole(way, period):
+    """Length of the whole periods nearest to a length."""
+    return floor(way / period + 0.5) * period if period > 0.0 else 0.0
 
 
 def no_facets(count: int) -> NDArray:

@@ -8,6 +8,7 @@ of Y from the facet in the undeformed body, the gap is phi/|F^-T N|, and the nor
 from math import inf, sqrt
 
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
+from pgimp.kernels.contact.surfaces.data import turns
 from pgimp.kernels.contact.surfaces.motion import deform, set_polynomial, turned_normal
 from pgimp.kernels.contact.surfaces.spread import mean_position, spread_weights
 
@@ -28,9 +29,6 @@ STEEP, _ALIKE = -0.8, 0.9
 
 #: Weight of the distance along a facet, so that one of several in a plane is next to a point.
 _ALONG = 1e-6
-
-#: Part of the mean radius of a facet by which it reaches farther than a disc of its area.
-_WIDE = 1.25
 
 #: Cells by which a point may lie beside a facet's part of a box, and the same over its distance, of
 #: points before the facet and behind it: what is deep beside an edge is not in the body.
@@ -65,7 +63,8 @@ def apart(surface, s, f, cell):
     """
     square = 0.0
     for d in range(3):
-        square += (surface.x[s, d] - surface.x[f, d]) ** 2
+        way = surface.x[s, d] - surface.x[f, d]
+        square += (way - turns(surface, way, d)) ** 2
     return surface.patch[s] < surface.patch[f] and square > (APART * cell) ** 2
 
 
@@ -78,12 +77,12 @@ def _square(D, surface, s, cell, f):
     along, whole, same = 0.0, 0.0, 0.0
     for d in range(3):
         way, n = x[d] - surface.now[f, d], surface.turned[f, d]
+        way -= turns(surface, way, d)
         along += way * n
         whole += way * way
         same += facing[d] * n
     beside = max(whole - along * along, 0.0)
-    radius = 0.5 * surface.area[f] if D == 2 else _WIDE * 0.5642 * sqrt(surface.area[f])
-    over = max(0.0, sqrt(beside) - radius) if D > 1 else 0.0
+    over = max(0.0, sqrt(beside) - surface.radius[f]) if D > 1 else 0.0
     return along * along + over * over + _ALONG * beside + reluctance(same, cell)
 
 
@@ -156,10 +155,17 @@ def _rigid_place(rigid_bodies, surface, x, near):
 
 
 @inner_kernel
+def _near(surface, s, f, d):
+    """Coordinate of facet `s`, or of its image nearest to facet `f`."""
+    x = surface.now[s, d]
+    return x - turns(surface, x - surface.now[f, d], d)
+
+
+@inner_kernel
 def _find_gap(frame, rigid_bodies, surface, moved, scratch, near):
     """Set gap, place and normal of a facet's centroid at another body's surface."""
-    D, s, F, (cells, u) = len(frame.cell), near.facet, scratch[0], moved
-    x = (surface.now[s, 0], surface.now[s, 1], surface.now[s, 2])
+    D, s, f, F, (cells, u) = len(frame.cell), near.facet, near.other, scratch[0], moved
+    x = (_near(surface, s, f, 0), _near(surface, s, f, 1), _near(surface, s, f, 2))
     least, phi, length, beside = frame.cell[0], 0.0, 1.0, inf
     for d in range(D):
         least = min(least, frame.cell[d])
@@ -257,8 +263,10 @@ def _before_another(D, frame, cells, surface, c, near):
         for d in range(D):
             n = surface.normal[m, d]
             alike += n * surface.normal[f, d]
-            away += (_own(frame, cells, c, near, d) - surface.x[m, d]) * n
-            convex += (surface.x[f, d] - surface.x[m, d]) * n
+            way = surface.x[f, d] - surface.x[m, d]
+            image = turns(surface, way, d)
+            away += (_own(frame, cells, c, near, d) - surface.x[m, d] - image) * n
+            convex += (way - image) * n
         if alike < 0.5 and convex < 0.0 and away > 0.0:
             return True
     return False

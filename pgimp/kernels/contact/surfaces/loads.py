@@ -15,6 +15,7 @@ from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.contact.books import losses_of
 from pgimp.kernels.contact.data import impulse_of
 from pgimp.kernels.contact.lagrangian.gauss_seidel import load_pair
+from pgimp.kernels.contact.surfaces.data import turns
 from pgimp.kernels.contact.surfaces.pressed import pressing
 from pgimp.kernels.contact.surfaces.rows import _law_of
 
@@ -125,14 +126,15 @@ def _near(D, surface, s, f, width):
     """Part of a load at facet `s` that facet `f` of the other body has, before all are scaled."""
     square = 0.0
     for d in range(3):
-        square += (surface.now[s, d] - surface.now[f, d]) ** 2
+        way = surface.now[s, d] - surface.now[f, d]
+        square += (way - turns(surface, way, d)) ** 2
     return surface.area[f] * max(0.0, 1.0 - sqrt(square) / width)
 
 
 @inner_kernel
 def _width(D, surface, f):
     """Width of a facet."""
-    return surface.area[f] if D == 2 else sqrt(surface.area[f])
+    return 2.0 * surface.radius[f] if D == 2 else sqrt(surface.area[f])
 
 
 @inner_kernel

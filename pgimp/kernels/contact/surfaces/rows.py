@@ -23,6 +23,7 @@ from math import inf, sqrt
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.kernels.contact.data import clear_pair
 from pgimp.kernels.contact.lagrangian.coupling import set_answer
+from pgimp.kernels.contact.surfaces.held import release_across
 from pgimp.kernels.contact.surfaces.motion import set_own_means
 from pgimp.kernels.contact.surfaces.pressed import faces, pressed_area
 from pgimp.kernels.contact.surfaces.spread import spread_weights
@@ -340,6 +341,7 @@ def find_patch_pairs(
                 start[rows + 1] = used
                 if used <= len(coupling.column):
                     set_answer(coupling, rows, numbers)
+                    release_across(coupling, rows, numbers, row.normal)
                 rows += 1
             pairs += 1
         first = last

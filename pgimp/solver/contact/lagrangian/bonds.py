@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import product
+
 import numpy as np
 
 from pgimp.geometry.sweep import close_pairs
@@ -56,6 +59,7 @@ def bonded(
     reach: np.ndarray,
     lagrangian: np.ndarray,
     beyond: float = 0.0,
+    cells: Sequence[int] = (),
 ) -> tuple[tuple[int, ...], np.ndarray]:
     """Fields and groups of bodies by their initial boxes, in cells.
 
@@ -63,19 +67,27 @@ def bonded(
     vertices have different fields, as few as possible; so have those up to `beyond` cells farther
     apart, where a vertex may be the slave of a cell some cells away. Bodies in the current
     configuration (not `lagrangian`) move over the grid: tied ones are one group, and each group has
-    its own field.
+    its own field. `cells` are those of the domain by direction, 0 where it is not periodic.
 
     `colour_bodies` colours single bodies, whose boxes move, and finds the steps for which that
     holds. Groups keep their vertices and fields until the next stage, and are no boxes: one may
     surround a body that it does not touch.
     """
     n = len(low)
+    ways = [(0.0, -k, k) if k else (0.0,) for k in map(float, cells or [0] * low.shape[1])]
+    images = np.array([*product(*ways)])
+    low, high = ((images[:, None] + each).reshape(-1, low.shape[1]) for each in (low, high))
     near = close_pairs(low, high, reach + beyond + 2e-6)
     apart = np.full(len(near), -np.inf)
     for d in range(low.shape[1]):
         for one, other in (near.T, near.T[::-1]):
             np.maximum(apart, low[one, d] - high[other, d] - reach[d], out=apart)
-    near, apart = near[apart < beyond + 1e-6], apart[apart < beyond + 1e-6]
+    near = np.sort(near % n, axis=1)
+    some = (apart < beyond + 1e-6) & (near[:, 0] != near[:, 1])
+    near, number = np.unique(near[some], axis=0, return_inverse=True)
+    least = np.full(len(near), np.inf)
+    np.minimum.at(least, number.reshape(-1), apart[some])
+    apart = least
     group = np.arange(n)
     for a, b in _tied(pairs, near[apart < 1e-6], lagrangian).tolist():
         if group[a] != group[b]:

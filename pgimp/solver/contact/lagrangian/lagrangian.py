@@ -135,8 +135,10 @@ class LagrangianContact(NoContact):
         low, high = every[:, 0].min(axis=0), every[:, 1].max(axis=0)
         distance = 2.0 * reach(scene)
         exact = bool(scene.settings.exact_surfaces.any())
+        domain = scene.domain
+        cells = [n * joined for n, joined in zip(domain.frame.cells, domain.periodic, strict=True)]
         self.fields, self.groups = bonded(
-            self.pairs, low, high, distance, scene.settings.lagrangian, exact * MASTERS_AWAY
+            self.pairs, low, high, distance, scene.settings.lagrangian, exact * MASTERS_AWAY, cells
         )
         self._selector.groups = self.groups
         self._selector.acts = interactions(

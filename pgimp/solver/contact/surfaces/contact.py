@@ -52,7 +52,8 @@ from pgimp.solver.contact.surfaces.loads import SurfaceLoads
 from pgimp.solver.contact.surfaces.overrun import OverrunWatch
 from pgimp.solver.contact.surfaces.proximity import Proximity, U
 from pgimp.solver.contact.surfaces.rebounds import rebounds_of
-from pgimp.solver.contact.surfaces.table import Table, table_of
+from pgimp.solver.contact.surfaces.seams import changes_of_images
+from pgimp.solver.contact.surfaces.table import Table, bits_of, table_of
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import VertexUpdate
@@ -227,6 +228,9 @@ class SurfaceContact(LagrangianContact):
         changes = share_changes(self.comm, changes, answers)
         if not needed(len(changes.keys)):
             return
+        if scene.domain.periodic[0]:
+            bits = bits_of(frame, 1 + max(self.fields, default=0))
+            changes = changes_of_images(changes, frame, bits)
         self.changes = changes
         call(change_velocities, frame, grid.field, changes, forcing, ledger.work)
         call(book_held, holding, grid.field, changes, ledger)

@@ -75,7 +75,10 @@ class OverrunWatch:
         said = []
         frame, D, soft = self._scene.domain.frame, self._scene.dimension, self._scene.body_names
         surface = table.surface
-        surface = surface._replace(now=surface.x.copy(), turned=surface.normal.copy())
+        # Of rings the section is looked at.
+        area = 2.0 * surface.radius if D == 2 else surface.area
+        surface = surface._replace(now=surface.x.copy(), turned=surface.normal.copy(), area=area)
+        table = table._replace(surface=surface)
         every, deep = np.arange(len(surface.x)), DEEPEST * min(frame.cell)
         self._call(move_facets, frame, rigid, surface, table.cells, u, every, scratch_of(D))
         order = np.lexsort((every, -surface.area, surface.patch))
@@ -116,7 +119,9 @@ class OverrunWatch:
 
     @property
     def _planes(self) -> list[tuple[int, int]]:
-        return list(self._scene.interaction.loads.surfaces.closed)
+        periodic, held = self._scene.domain.periodic, self._scene.interaction.loads.surfaces.closed
+        axis = [(0, -1)] if self._scene.case.axisymmetric else []
+        return [*(face for face in held if not periodic[face[0]]), *axis]
 
     def _images(self, points: np.ndarray) -> Iterator[np.ndarray]:
         """Points, and their images beyond the planes at which surfaces end."""

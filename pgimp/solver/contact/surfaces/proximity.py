@@ -26,6 +26,7 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.contact.grown import grown
 from pgimp.solver.contact.lagrangian.messages import greatest, swap
 from pgimp.solver.contact.surfaces.groups import Groups, find_groups
+from pgimp.solver.contact.surfaces.seams import close_images, with_images
 from pgimp.solver.contact.surfaces.table import Table, bins_of, records_of
 from pgimp.solver.rank_state import RankState
 
@@ -198,7 +199,7 @@ class Proximity:
     def _find_root(self, rank: RankState) -> None:
         """Find the rank with the first layer; collective."""
         slab = rank.grid.slab
-        first = slab.layers and slab.lower is None
+        first = slab.layers and (slab.lower is None or slab.first == self.scene.domain.ring)
         self.root = -int(greatest(self.comm, -self.comm.rank if first else -self.comm.size))
 
     def _everywhere(self, own: np.ndarray, u: np.ndarray) -> np.ndarray:
@@ -312,8 +313,12 @@ class Proximity:
         soft = len(self.scene.body_names)
         cell, motion = np.array(frame.cell), rank.grid.kept
         ends = np.full((2, len(table.body), D), np.inf)
-        clusters = table.owner, table.corner
-        self.call(bound_clusters, frame, table.numbers, self._records, motion, clusters, ends)
+        clusters, numbers, records = (table.owner, table.corner), table.numbers, self._records
+        if table.turns.any():  # a vertex on a seam is at both ends of the domain
+            numbers, records = numbers[table.corner], records[table.corner]
+            numbers[:, :D] += table.turns * frame.cells
+            clusters = table.owner, np.arange(len(numbers))
+        self.call(bound_clusters, frame, numbers, records, motion, clusters, ends)
         ends = _least(self.comm, ends)
         for c in np.flatnonzero((table.body >= soft) & (table.body < bodies)):
             row = rigid.motion[table.body[c] - soft]
@@ -326,13 +331,17 @@ class Proximity:
         self, table: Table, acts: np.ndarray, low: np.ndarray, high: np.ndarray
     ) -> tuple[np.ndarray, dict[int, np.ndarray]]:
         """Pairs of clusters that may meet, and for each wall the facets that may meet it."""
-        frame, reach = self.scene.domain.frame, self._reach
+        frame, reach, periods = self.scene.domain.frame, self._reach, self.scene.domain.periods
         cell, order = np.array(frame.cell), np.argsort(low[:, 0], kind="stable")
         pairs, found = grown(
             8 * len(low) + 16,
             lambda size: np.empty((size, 2), np.int64),
             lambda room: self.call(find_close, order, low, high, reach, table.body, acts, room),
         )
+        if periods.any():
+            pairs = close_images(low, high, frame.origin, periods, reach).T
+            pairs = pairs[(acts | acts.T)[table.body[pairs[:, 0]], table.body[pairs[:, 1]]] != 0]
+            found = len(pairs)
         alone = np.flatnonzero(acts[table.body, table.body])
         on_walls = {}
         n, free = len(self.scene.body_names), [*self.scene.interaction.rigid_bodies.free]
@@ -409,10 +418,17 @@ class Proximity:
         frame = self.scene.domain.frame
         call(move_facets, frame, rigid, surface, near.cells, u, near.facets, self.scratch)
         marks, reach = np.zeros(len(surface.x), np.uint8), (self._reach.max(), frame.cell[0])
-        call(mark_between, surface, (table.first, table.members), meeting, reach[0], marks)
-        some = np.flatnonzero(marks)
+        there, periods = surface, self.scene.domain.periods
+        if periods.any():
+            own = table.facets(np.unique(meeting[0]))
+            there, which = with_images(surface, own, frame.origin, periods, reach[0])
+            some = np.arange(len(which))
+        else:
+            call(mark_between, surface, (table.first, table.members), meeting, reach[0], marks)
+            some = np.flatnonzero(marks)
         marks[:] = 0
-        key_of, strides = bins_of(surface.now[some], reach[0], self.scene.dimension)
+        found_near = marks if there is surface else np.zeros(len(some), np.uint8)
+        key_of, strides = bins_of(there.now[some], reach[0], self.scene.dimension)
         order = np.argsort(key_of, kind="stable")
         bins, count = (key_of, key_of[order], order, strides), len(acts)
         best = np.full(count, np.inf), np.empty(count, np.int64), np.empty(count, np.int64)
@@ -422,10 +438,15 @@ class Proximity:
                 2 * len(some) + 16,
                 no_facets,
                 lambda room: call(
-                    find_meeting, surface, acts, some, bins, reach, marks, best, room
+                    find_meeting, there, acts, some, bins, reach, found_near, best, room
                 ),
             )
-            parts.append(every[:found])
+            every = every[:found]
+            if there is not surface:  # what images find, they find as well
+                every = every[every["facet"] < len(own)]
+                every["facet"], every["other"] = which[every["facet"]], which[every["other"]]
+                marks[which[found_near != 0]] = 1
+            parts.append(every)
         for body, these in on_walls.items():
             axis, side, place, *_ = self.walls.planes[body - self.walls.first].tolist()
             at = frame.origin[axis] + (place - frame.ghost) * frame.cell[axis]

@@ -63,11 +63,12 @@ class Sheets:
         if rank.comm.rank > 0:
             return None
         if self._surface is not table.surface:
-            self._surface, surface = table.surface, table.surface
+            self._surface, surface, D = table.surface, table.surface, rank.scene.dimension
+            area = 2.0 * surface.radius if D == 2 else surface.area  # of rings their section's
             self._polygons = polygons_of(
-                Facets(surface.x, surface.normal, surface.area, surface.middle, surface.half,
-                       surface.edges, surface.patch),
-                surface.body, rank.scene.dimension,
+                Facets(surface.x, surface.normal, area, surface.radius, surface.middle,
+                       surface.half, surface.edges, surface.patch),
+                surface.body, D,
             )  # fmt: skip
         assert self._polygons is not None
         poses = rank.scene.interaction.rigid_bodies.poses(

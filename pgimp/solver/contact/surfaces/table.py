@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import product
 from typing import NamedTuple
 
@@ -18,6 +19,7 @@ from pgimp.scene.bodies.surface_patches import Facets, facets_of
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.grown import grown
 from pgimp.solver.contact.lagrangian.messages import united
+from pgimp.solver.contact.surfaces.seams import closed_faces, one_period, places_with_images
 from pgimp.solver.lagrangian.masters import Vertices
 from pgimp.solver.rank_state import RankState
 
@@ -48,6 +50,8 @@ class Table(NamedTuple):
     #: owner, corner: (k,) int64: Clusters, and the vertices of their cells, each pair once.
     owner: np.ndarray
     corner: np.ndarray
+    #: (k, D) int64: Periods of the domain from these vertices to the cells' corners.
+    turns: np.ndarray
 
     def facets(self, clusters: np.ndarray) -> np.ndarray:
         """The facets of some clusters."""
@@ -59,7 +63,8 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     """Find the surfaces of all bodies; collective."""
     scene, frame = rank.scene, rank.scene.domain.frame
     D, cell = scene.dimension, np.array(frame.cell)
-    origin = np.array(frame.origin)
+    origin, periods = np.array(frame.origin), np.zeros(3)
+    periods[:D] = scene.domain.periods
     every = [*_bodies(scene), *_rigid_bodies(scene)]
     # What lies on a wall that lets go meets it.
     letting = {(face.axis, face.side) for face in scene.domain.faces if face.condition.approaches}
@@ -67,7 +72,7 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     gone = [scene.body_names.index(name) for name in scene.case.staged.removed]
     gone += np.flatnonzero(~scene.settings.lagrangian).tolist()  # of these facets know nothing
     here = [number for number in range(len(every)) if number not in gone]
-    found = [facets_of(every[number], origin, cell, closed) for number in here]
+    found = [_facets(scene, every[number], number, closed) for number in here]
     body = np.repeat(here, [len(each.x) for each in found])
     facets = Facets.joined(found)
     soft = body < len(scene.body_names)
@@ -76,11 +81,12 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     index[soft] = of
     place = np.zeros((len(body), 3))
     place[soft, :D] = (facets.x[soft, :D] - cells.low[of, :D]) / cell
-    start, beside = _beside(facets.x, body, float(cell.max()) * _BESIDE[D - 1], D)
+    start, beside = _beside(scene, facets.x, body, float(cell.max()) * _BESIDE[D - 1])
     surface = Surface(
-        facets.x, facets.normal, facets.middle, facets.half, facets.area, facets.patch, body,
-        index, place, facets.edges, _tips(facets, start, beside), start, beside,
-        np.full((len(body), 3), np.inf), np.zeros((len(body), 3)), np.zeros((len(body), 2, 3)),
+        facets.x, facets.normal, facets.middle, facets.half, facets.area, facets.radius,
+        facets.patch, body, index, place, facets.edges, _tips(facets, start, beside, periods),
+        start, beside, np.full((len(body), 3), np.inf), np.zeros((len(body), 3)),
+        np.zeros((len(body), 2, 3)), periods if periods.any() else (),
     )  # fmt: skip
     keys = np.empty(len(numbers), np.int64)
     keys_of_vertices(bits_of(frame, 1 + max(fields, default=0)), numbers, keys)
@@ -91,12 +97,29 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     members = np.argsort(cluster, kind="stable")
     first = np.concatenate([[0], np.cumsum(np.bincount(cluster, minlength=count))])
     corners = 2**D
-    pair = np.column_stack([np.repeat(cluster[soft], corners), cells.corners[of].reshape(-1)])
-    owner, corner = np.unique(pair, axis=0).T
+    of_cell = np.repeat(of, corners)
+    at = np.array([*product((0, 1), repeat=D)])[np.tile(np.arange(corners), len(of))]
+    at += np.rint((cells.low[of_cell, :D] - origin) / cell).astype(np.int64) + frame.ghost
+    corner = cells.corners[of].reshape(-1)
+    turns = (at - numbers[corner, :D]) // np.array(frame.cells)
+    pair = np.column_stack([np.repeat(cluster[soft], corners), corner, turns])
+    owner, corner, *turns = np.unique(pair, axis=0).T
     return Table(
         surface, cells, numbers, keys, first, members, body[members[first[:-1]]],
-        np.ascontiguousarray(owner), np.ascontiguousarray(corner),
+        np.ascontiguousarray(owner), np.ascontiguousarray(corner), np.stack(turns, axis=1),
     )  # fmt: skip
+
+
+def _facets(
+    scene: Scene, body: LatticeBody, number: int, held: Sequence[tuple[int, int]]
+) -> Facets:
+    """The facets of a body; a rigid one's number comes after the others'."""
+    frame, ring, periods = scene.domain.frame, scene.case.axisymmetric, scene.domain.periods
+    around = np.array(frame.origin), np.array(frame.cell)
+    if number < len(scene.body_names):
+        return facets_of(body, *around, closed_faces(scene, body, held), ring, (periods,))
+    entry = scene.interaction.rigid_bodies.entries[number - len(scene.body_names)]
+    return facets_of(body, *around, (), ring, one_period(body, entry, frame, periods))
 
 
 def _bodies(scene: Scene) -> list[LatticeBody]:
@@ -215,7 +238,12 @@ def _cells_beside(places: np.ndarray) -> np.ndarray:
 def _have_mass(rank: RankState, keys: np.ndarray) -> np.ndarray:
     """Mask of the vertices with mass on any rank; collective."""
     at = records_of(rank, np.stack(Vertices.numbers(rank, keys), axis=1))
-    mass = rank.grid.kept.values.reshape(-1, RECORD)[:, KEPT_MASS]
+    grid = rank.grid
+    masses = grid.by_vertex(grid.kept.values)[..., KEPT_MASS].copy()
+    for seam in rank.scene.domain.seams:  # both copies have parts
+        inside, beyond = grid.copies(masses, seam.axis)
+        inside += beyond
+    mass = masses.reshape(-1)
     found = np.zeros(len(keys), np.uint8)
     found[at >= 0] = mass[at[at >= 0]] > 0.0
     return united(rank.comm, found).astype(bool)
@@ -233,32 +261,37 @@ def records_of(rank: RankState, numbers: np.ndarray) -> np.ndarray:
     return np.where(there, i * stride[0] + field * size + j * stride[1] + k * stride[2], -1)
 
 
-def _tips(facets: Facets, start: np.ndarray, beside: np.ndarray) -> np.ndarray:
+def _tips(facets: Facets, start: np.ndarray, beside: np.ndarray, periods: np.ndarray) -> np.ndarray:
     """Mask of the facets beside a sharp edge: a neighbour's normal is nearly the opposite one."""
     own = np.repeat(np.arange(len(facets.x)), np.diff(start))
     alike = (facets.normal[own] * facets.normal[beside]).sum(axis=1)
-    behind = ((facets.x[beside] - facets.x[own]) * facets.normal[own]).sum(axis=1) < 0.0
+    way = facets.x[beside] - facets.x[own]
+    way -= np.rint(way / np.where(periods > 0.0, periods, np.inf)) * periods
+    behind = (way * facets.normal[own]).sum(axis=1) < 0.0
     found = np.zeros(len(facets.x), np.uint8)
     found[own[(alike < SHARP) & behind]] = 1
     return found
 
 
 def _beside(
-    x: np.ndarray, body: np.ndarray, radius: float, D: int
+    scene: Scene, x: np.ndarray, body: np.ndarray, radius: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Neighbours of each facet, see `Surface`."""
+    count, origin, periods = len(x), scene.domain.frame.origin, scene.domain.periods
+    every, placed = places_with_images(x, origin, periods, radius)
+    x, body = placed, body[every]
     start = np.zeros(len(x) + 1, np.int64)
-    key_of, strides = bins_of(x, radius, D)
+    key_of, strides = bins_of(x, radius, scene.dimension)
     order = np.argsort(key_of, kind="stable")
     call = Bound()
-    beside, found = grown(
+    beside, _ = grown(
         16 * len(x) + 16,
         lambda size: np.empty(size, np.int64),
         lambda room: call(
             find_beside, x, body, key_of, (key_of[order], order), strides, radius, start, room
         ),
     )
-    return start, beside[:found]
+    return start[: count + 1], every[beside[: start[count]]]
 
 
 def bins_of(x: np.ndarray, side: float, D: int) -> tuple[np.ndarray, np.ndarray]:

@@ -45,9 +45,9 @@ from rank_scenes.laws import VARIED, affine, flowing, metals, varied
 from rank_scenes.leaving import PROBES, line_leaves, plane_leaves, sinks
 from rank_scenes.meetings import meeting, staged
 from rank_scenes.passing import passing
-from rank_scenes.periods import endless, layer, rigid_round, round_and_round
+from rank_scenes.periods import endless, layer, rigid_round, round_and_round, surface_round
 from rank_scenes.plates import plates, plates_initial
-from rank_scenes.rings import rings, rings_free, rings_initial, rings_initial_contact
+from rank_scenes.rings import rings, rings_free, rings_initial, rings_initial_contact, surface_rings
 from rank_scenes.squeezed_blocks import SIZED
 from rank_scenes.turned import turned
 
@@ -106,6 +106,8 @@ SCENES = (
             surface_contact,
             surface_beside,
             surface_stages,
+            surface_rings,
+            surface_round,
             initial_lattice,
             averaged_lattice,
             averaged_contact,

@@ -110,7 +110,7 @@ def exact_skins():
     return case
 
 
-def _within(cells, *regions):
+def within(cells, *regions):
     """The part of some regions in the domain."""
     return {"intersection": [{"union": regions}, {"box": {"min": [0.0, 0.0], "max": cells}}]}
 
@@ -130,8 +130,8 @@ def exact_round():
     return scene(
         2,
         {
-            "bar": {"material": "soft", "region": _within([18.0, 9.0], *bars)} | more,
-            "disk": {"material": "stiff", "region": _within([18.0, 9.0], *balls)}
+            "bar": {"material": "soft", "region": within([18.0, 9.0], *bars)} | more,
+            "disk": {"material": "stiff", "region": within([18.0, 9.0], *balls)}
             | more
             | {"mass": "averaged"},
         },
@@ -160,7 +160,7 @@ def exact_rings():
     case = scene(
         2,
         {
-            "ball": {"material": "stiff", "region": _within([18.0, 9.0], *balls)}
+            "ball": {"material": "stiff", "region": within([18.0, 9.0], *balls)}
             | more
             | {"mass": "averaged"},
             "tube": {"material": "soft", "region": tube, "velocity": [0.0, 1.0]} | more,

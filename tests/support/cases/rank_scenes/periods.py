@@ -3,6 +3,7 @@
 from scenes import SOFT, box, scene
 
 from rank_scenes.entries import EVERYTHING, GRID, PAIR, STIFF
+from rank_scenes.initial_bodies import within
 
 
 def round_and_round():
@@ -112,4 +113,50 @@ def endless():
     )
     for body in bodies.values():
         body["configuration"] = "initial"
+    return case
+
+
+def surface_round():
+    """Bodies meet through and beside seams: soft, rigid and free ones, and a plate from end to end.
+
+    One is bonded to another across a seam, until a stage ends that.
+    """
+    balls = [{"ball": {"centre": [x, y], "radius": 1.9}} for x in (0.3, 18.3) for y in (0.4, 11.4)]
+    bars = [
+        {"box": {"min": [low, 4.02], "max": [high, 5.97]}} for low, high in ((0, 2.6), (13.9, 18))
+    ]
+    ends = [18.0, 11.0]
+    bodies = {
+        "bar": {"material": "soft", "region": within(ends, *bars), "velocity": [0.0, -1.0]},
+        "disk": {"material": "stiff", "region": within(ends, *balls), "velocity": [2.0, 1.5],
+                 "mass": "averaged"},
+        "glued": box([2.6, 4.02], [5.03, 5.97], [0.0, -1.0]),
+        "flies": box([9.2, 8.1], [11.7, 10.3], [7.0, 1.0], "stiff"),
+    }  # fmt: skip
+    bodies = {
+        name: body | {"configuration": "initial", "surface": "exact"}
+        for name, body in bodies.items()
+    }
+    plate = {"box": {"min": [-2.0, 6.7], "max": [20.0, 7.9]}}
+    bodies["plate"] = {"rigid": {"velocity": [3.0, -0.7]}, "region": plate}
+    bodies["puck"] = {"rigid": {"density": 2.0}, "velocity": [-3.0, 2.0],
+                      "region": {"ball": {"center": [8.2, 2.2], "radius": 1.2}}}  # fmt: skip
+    faces = ("x-min", "x-max", "y-min", "y-max")
+    case = scene(
+        2,
+        bodies,
+        cells=[18, 11],
+        shape="finite-gimp",
+        end=0.6,
+        step={"courant": 0.3},
+        materials=PAIR,
+        gravity=[0.0, -1.0],
+        boundaries=dict.fromkeys(faces, "periodic"),
+        contact=[{"bodies": "all", "friction": 0.3}, {"bodies": ["bar", "glued"], "law": "tied"}],
+        output={"every": 0.3, "fields": [*EVERYTHING, "unwrapped"], "grid": GRID},
+        history={"every": {"steps": 10}},
+    )
+    case["time"]["stages"] = [
+        {"name": "loose", "end": 1.2, "contact": [{"bodies": "all", "friction": 0.3}]}
+    ]
     return case

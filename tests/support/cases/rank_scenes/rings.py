@@ -3,6 +3,7 @@
 from scenes import SOFT, box, scene
 
 from rank_scenes.entries import EVERYTHING, STIFF
+from rank_scenes.initial_bodies import within
 from rank_scenes.laws import METALS
 
 
@@ -142,4 +143,47 @@ def rings_initial_contact():
         history={"every": {"steps": 10}},
     )
     case["geometry"], case["method"]["volumetric"] = "axisymmetric", "mean"
+    return case
+
+
+def surface_rings():
+    """Bars, a ball and a tube meet across a seam and on a floor; a sleeve, rigid disks and a stamp.
+
+    A stage ties the sleeve to the tube.
+    """
+    balls = [{"ball": {"centre": [0.0, y], "radius": 1.9}} for y in (0.3, 12.3)]
+    bodies = {
+        "bar": box([0.0, 2.6], [2.1, 5.43], [0.0, -3.0]),
+        "ball": {"material": "rubber", "region": within([12.0, 12.0], *balls),
+                 "velocity": [0.0, 2.0], "mass": "averaged"},
+        "tube": box([5.1, 1.3], [7.88, 6.2], None, "rubber"),
+        "sleeve": box([7.88, 2.0], [9.03, 4.4], [0.0, 2.0]),
+    }  # fmt: skip
+    bodies = {
+        name: body | {"configuration": "initial", "surface": "exact"}
+        for name, body in bodies.items()
+    }
+    stamp = {"ball": {"center": [6.5, 8.23], "radius": 2.0}}
+    bodies["stamp"] = {"rigid": {"velocity": [0.0, -1.5]}, "region": stamp}
+    bodies["disk"] = {"rigid": {"density": 3.0}, "velocity": [0.0, -3.0],
+                      "region": box([-2.0, 5.6], [2.0, 6.7])["region"]}  # fmt: skip
+    bodies["puck"] = {"rigid": {"density": 2.0}, "velocity": [0.0, -6.0],
+                      "region": box([-1.0, 7.0], [1.0, 8.1])["region"]}  # fmt: skip
+    case = scene(
+        2,
+        bodies,
+        cells=[12, 12],
+        end=0.5,
+        step={"courant": 0.3},
+        materials={"soft": METALS["soft"], "rubber": SOFT},
+        gravity=[0.0, -2.0],
+        boundaries={"y-min": "periodic", "y-max": "periodic"},
+        contact=[{"bodies": "all", "friction": 0.3}],
+        tractions={"bore": {"body": "tube", "face": "x-min", "pressure": 8.0}},
+        output={"every": 0.25, "fields": EVERYTHING, "grid": ["mass", "velocity"]},
+        history={"every": {"steps": 10}},
+    )
+    case["geometry"] = "axisymmetric"
+    tied = [{"bodies": "all", "friction": 0.1}, {"bodies": ["tube", "sleeve"], "law": "tied"}]
+    case["time"]["stages"] = [{"name": "grown", "end": 0.8, "contact": tied}]
     return case
