@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pgimp.scene.bodies.elements import Indices, Reals
+from pgimp.scene.bodies.elements import Elements, Indices, Reals
 from pgimp.scene.bodies.lattice_body import LatticeBody
 from pgimp.scene.bodies.surface_elements import find_elements
 from pgimp.scene.bodies.surfaces.beside import beside
@@ -52,7 +52,10 @@ class Facets(NamedTuple):
         return int(self.patch[-1]) + 1 if len(self.patch) else 0
 
 
-def facets_of(body: LatticeBody, origin: Reals, cell: Reals, closed: Closed = ()) -> Facets:
+def facets_of(
+    body: LatticeBody, origin: Reals, cell: Reals, closed: Closed = (),
+    elements: Elements | None = None,
+) -> Facets:  # fmt: skip
     """Facets of a body, in patches.
 
     Parameters
@@ -63,9 +66,13 @@ def facets_of(body: LatticeBody, origin: Reals, cell: Reals, closed: Closed = ()
         A vertex of the grid, and the sides of a cell.
     closed : sequence of (axis, side)
         See `find_elements`.
+    elements : Elements, optional
+        Those of its whole surface, if they are known.
     """
     low, high = body.box[0]
-    found = parted(find_elements(body, None, (low - 1, high + 1), closed))
+    if elements is None:
+        elements = find_elements(body, None, (low - 1, high + 1), closed)
+    found = parted(elements)
     size = np.sqrt((found.area * found.area).sum(axis=1))
     side = float(np.prod(cell)) ** (1.0 - 1.0 / len(cell))
     some = size > LEAST_FACET * side

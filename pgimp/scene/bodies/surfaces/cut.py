@@ -194,7 +194,8 @@ def cut_elements(
         some = plain & (np.abs(of_side[:, d]) > _LEAST * (full / size[:, d]))
         own = found._replace(area=of_side, moment=moments, second=seconds)
         every.append(own.chosen(some))
-    return Elements(*map(np.concatenate, zip(*every, strict=True)))
+    joined = Elements(*map(np.concatenate, zip(*every, strict=True)))
+    return joined.chosen(np.lexsort(joined.box.T[::-1]))
 
 
 def _column(axes: tuple[int, ...], d: int) -> int:

@@ -14,10 +14,11 @@ from pgimp.kernels.data.motion import KEPT_MASS
 from pgimp.kernels.data.record import RECORD
 from pgimp.scene.bodies.lattice import Lattice
 from pgimp.scene.bodies.lattice_body import LatticeBody
-from pgimp.scene.bodies.surface_patches import Facets, facets_of
+from pgimp.scene.bodies.surface_patches import Facets
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.grown import grown
 from pgimp.solver.contact.lagrangian.messages import united
+from pgimp.solver.contact.surfaces.divided import all_facets
 from pgimp.solver.lagrangian.masters import Vertices
 from pgimp.solver.rank_state import RankState
 
@@ -66,7 +67,7 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     closed = [face for face in scene.interaction.loads.surfaces.closed if face not in letting]
     gone = [scene.body_names.index(name) for name in scene.case.staged.removed]
     here = [number for number in range(len(every)) if number not in gone]
-    found = [facets_of(every[number], origin, cell, closed) for number in here]
+    found = all_facets(rank.comm, [every[number] for number in here], origin, cell, closed)
     body = np.repeat(here, [len(each.x) for each in found])
     facets = Facets.joined(found)
     soft = body < len(scene.body_names)
