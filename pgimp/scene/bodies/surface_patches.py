@@ -16,11 +16,11 @@ from pgimp.scene.bodies.elements import Elements, Indices, Reals
 from pgimp.scene.bodies.lattice_body import LatticeBody
 from pgimp.scene.bodies.surface_elements import find_elements
 from pgimp.scene.bodies.surfaces.beside import beside
-from pgimp.scene.bodies.surfaces.boxes import Closed
+from pgimp.scene.bodies.surfaces.boxes import Closed, distinct
 from pgimp.scene.bodies.surfaces.edges import FLAT, parted
 
 #: Least area of a facet, and of a patch that does not join another, over that of a cell's side.
-LEAST_FACET, LEAST_PATCH = 1e-6, 0.5
+LEAST_FACET, LEAST_PATCH = 1e-4, 0.5
 
 #: Least cosine between normals of patches that join.
 _ALIKE = 0.7
@@ -40,7 +40,8 @@ class Facets(NamedTuple):
     @classmethod
     def joined(cls, every: list[Facets]) -> Facets:
         """All of some bodies; patches are numbered on."""
-        first, parts = 0, []
+        none = np.zeros((0, 3))
+        first, parts = 0, [cls(none, none, none[:, 0], none, none, np.zeros(0, np.int64))]
         for each in every:
             parts.append(each._replace(patch=each.patch + first))
             first += each.patches
@@ -81,7 +82,7 @@ def facets_of(
     x = found.centroid
     # A surface between two boxes has an element in each.
     places = np.rint(1e6 * np.column_stack([x / body.size, normal])) + 0.0
-    first, same = _distinct(places)
+    first, same = distinct(places)
     size = np.asarray(np.bincount(same, size), float)
     found, x, normal = found.chosen(first), x[first], normal[first]
     patch = _patches(x, normal, size, origin, cell, side)
@@ -94,16 +95,6 @@ def facets_of(
         _three(found.half[order]),
         patch[order],
     )
-
-
-def _distinct(values: NDArray[Any]) -> tuple[Indices, Indices]:
-    """First of each of the different rows, in ascending order, and which of these each row is."""
-    order = np.lexsort(values.T[::-1])
-    new = np.ones(len(order), bool)
-    new[1:] = (values[order[1:]] != values[order[:-1]]).any(axis=1)
-    same = np.empty(len(order), np.int64)
-    same[order] = np.cumsum(new) - 1
-    return order[new], same
 
 
 def _three(values: Reals) -> Reals:
@@ -121,7 +112,7 @@ def _patches(
     axis = np.argmax(np.round(np.abs(normal), 6), axis=1)
     sign = normal[np.arange(len(x)), axis] > 0.0
     keys = np.column_stack([inside, 2 * axis + sign])
-    first, patch = _distinct(keys)
+    first, patch = distinct(keys)
     places, patch = _flat(inside[first], patch, normal, area)
     total = np.asarray(np.bincount(patch, area), float)
     centre, mean = (
