@@ -7,10 +7,9 @@ direction. Small ones join a neighbour.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pgimp.scene.bodies.elements import Elements, Indices, Reals
 from pgimp.scene.bodies.lattice_body import LatticeBody

@@ -141,6 +141,8 @@ def _cells(
     field = np.array(fields or [0] * len(scene.body_names), np.int64)[body]
     number, left = np.zeros((len(x), D), np.int64), np.arange(len(x))
     for depth in _DEPTHS:
+        if not len(left):
+            break
         own = np.floor((x[left] - origin) / cell - depth * normal[left]).astype(np.int64)
         first, of = distinct(np.column_stack([field[left], own]))
         some = Vertices.key(
@@ -150,7 +152,7 @@ def _cells(
         known = _have_mass(rank, some)
         if slaves:
             known |= np.isin(some, slaves.keys)
-        good = known.reshape(-1, len(corner)).all(axis=1)[of]
+        good = np.asarray(known.reshape(-1, len(corner)).all(axis=1))[of]
         if depth == _DEPTHS[0]:
             number[:] = own
         number[left[good]] = own[good]
