@@ -17,7 +17,7 @@ def told(case, way, moves=None):
     sim = start(case)
     sim.advance()
     rank, contact = sim.rank, sim.rank.contact
-    table, frame = contact._known(rank), sim.scene.domain.frame
+    table, frame = contact.known(rank), sim.scene.domain.frame
     D = sim.scene.dimension
     surface, values = table.surface, rank.grid.kept.values.reshape(-1, RECORD)
     gone = np.unique(table.cells.corners[surface.cell[surface.body == surface.body.max()]])
