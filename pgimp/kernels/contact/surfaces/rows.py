@@ -239,7 +239,9 @@ def _set_pair(contact, surface, group, side, law, size, pair):
     for d in range(3):
         row.normal[d] /= sqrt(square)
         rigid[2, d] /= whole
-    row.gap_rate = max(gap, -PARTS * cell) / dt
+    # Facets beyond these are of material in the current configuration: it does not part.
+    parts = PARTS * cell if every[first].other < len(surface.patch) else 0.0
+    row.gap_rate = max(gap, -parts) / dt
     row.adhesion, row.shear_adhesion = normal * glued * dt, shear * glued * dt
     for n in range(first, last):
         every[n].weight /= whole

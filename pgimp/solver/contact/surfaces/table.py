@@ -68,6 +68,7 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     letting = {(face.axis, face.side) for face in scene.domain.faces if face.condition.approaches}
     closed = [face for face in scene.interaction.loads.surfaces.closed if face not in letting]
     gone = [scene.body_names.index(name) for name in scene.case.staged.removed]
+    gone += np.flatnonzero(~scene.settings.lagrangian).tolist()  # of these facets know nothing
     rehearses = needed(0)  # whatever has no facets has the same kernels
     here = [number for number in range(len(every)) if number not in gone and not rehearses]
     found = all_facets(rank.comm, [every[number] for number in here], origin, cell, closed)
@@ -86,7 +87,7 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
         np.full((len(body), 3), np.inf), np.zeros((len(body), 3)),
     )  # fmt: skip
     keys = np.empty(len(numbers), np.int64)
-    keys_of_vertices(_bits(frame, 1 + max(fields, default=0)), numbers, keys)
+    keys_of_vertices(bits_of(frame, 1 + max(fields, default=0)), numbers, keys)
     number = np.floor((facets.x[:, :D] - origin) / (WIDE * cell)).astype(np.int64)
     cluster = distinct(np.column_stack([body, number]))[1]
     count = 1 + cluster.max(initial=-1)
@@ -102,8 +103,8 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
 
 
 def _bodies(scene: Scene) -> list[LatticeBody]:
-    found = Lattice(scene.case).bodies
-    assert all(isinstance(body, LatticeBody) for body in found)
+    found, exact = Lattice(scene.case).bodies, scene.settings.exact_surfaces
+    assert all(isinstance(body, LatticeBody) for body, own in zip(found, exact, strict=True) if own)
     return found  # type: ignore[return-value]
 
 
@@ -124,7 +125,7 @@ def _rigid_bodies(scene: Scene) -> list[LatticeBody]:
     return found
 
 
-def _bits(frame: object, fields: int) -> tuple[int, int, int]:
+def bits_of(frame: object, fields: int) -> tuple[int, int, int]:
     """See `pgimp.kernels.contact.lagrangian.reference_grid.key_bits`."""
     most = (*frame.vertices, 1, 1)[1:3]  # type: ignore[attr-defined]
     return (*((int(n) - 1).bit_length() for n in most), (fields - 1).bit_length())  # type: ignore

@@ -6,16 +6,18 @@ import pytest
 from pgimp.jit.kernel import kernel
 from pgimp.kernels.contact.surfaces.data import Surface, no_facets
 from pgimp.kernels.contact.surfaces.loads import _find_pressure
-from pgimp.kernels.contact.surfaces.pressed import pressed_area
+from pgimp.kernels.contact.surfaces.pressed import pressed_area, pressing
 
 
 @kernel
 def _press(surface, every, place, found):
-    group = (every, 0, len(every), 0, 0.0)
+    found[4] = pressed_area(surface, every, 0, len(every), 0, 0.0, 1.0)
+    for n in range(len(every)):
+        every[n].weight = pressing(surface, every[n], 0, 0.0, 1.0)
+    group = (every, 0, len(every))
     tangents = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
     a, b, c, good = _find_pressure(surface, group, place, tangents, 1.0)
     found[0], found[1], found[2], found[3] = a, b, c, 1.0 if good else 0.0
-    found[4] = pressed_area(surface, every, 0, len(every), 0, 0.0, 1.0)
 
 
 def patch(columns, rows):
