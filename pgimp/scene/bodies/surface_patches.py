@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pgimp.scene.bodies.elements import Elements, Indices, Reals
+from pgimp.scene.bodies.elements import Elements, Indices, Reals, half_edges
 from pgimp.scene.bodies.lattice_body import LatticeBody
 from pgimp.scene.bodies.surface_elements import find_elements
 from pgimp.scene.bodies.surfaces.beside import beside
@@ -34,13 +34,15 @@ class Facets(NamedTuple):
     #: middle, half: (n, 3) float64: Middle and half-sides of the part of a box that each is in.
     middle: Reals
     half: Reals
+    edges: Reals  #: (n, 2, 3) float64: See `half_edges`.
     patch: Indices  #: (n,) int64: Number of each facet's patch, ascending.
 
     @classmethod
     def joined(cls, every: list[Facets]) -> Facets:
         """All of some bodies; patches are numbered on."""
         none = np.zeros((0, 3))
-        first, parts = 0, [cls(none, none, none[:, 0], none, none, np.zeros(0, np.int64))]
+        first, edges, whole = 0, np.zeros((0, 2, 3)), np.zeros(0, np.int64)
+        parts = [cls(none, none, none[:, 0], none, none, edges, whole)]
         for each in every:
             parts.append(each._replace(patch=each.patch + first))
             first += each.patches
@@ -92,6 +94,7 @@ def facets_of(
         size[order],
         _three(found.centre[order]),
         _three(found.half[order]),
+        np.pad(half_edges(found, x, normal, size)[order], ((0, 0), (0, 0), (0, 3 - len(cell)))),
         patch[order],
     )
 
