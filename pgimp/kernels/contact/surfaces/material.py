@@ -289,6 +289,7 @@ def find_material_gaps(frame, surface, some, sums, groups, far, every, into) -> 
                 near.gap = gap
                 for d in range(3):
                     near.normal[d] = -normal[d]
+                    near.edges[0, d] = near.edges[1, d] = near.offset[d] = 0.0
                     near.place[d] = surface.now[f, d] + up * normal[d]
                 into[found, 0], into[found, 1] = gx / steep, gy / steep
                 into[found, 2] = gz / steep

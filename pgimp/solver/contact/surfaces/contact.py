@@ -283,7 +283,8 @@ class SurfaceContact(LagrangianContact):
         call, frame, most = self.call, self.scene.domain.frame, len(every)
         keys, values = reference
         pairs, seen = ContactPairs.empty(most), np.empty((2, len(keys)), np.int64)
-        vertices, counts = (flat(values), seen, np.empty(2 ** len(frame.cell))), [0, 0]
+        sums, counts = np.empty(2 ** len(frame.cell)), [0, 0]
+        vertices = (flat(values), seen, sums, self._proximity.scratch[-1])
         dt, speed = step
         fastest = speed + self._rate * min(frame.cell)
 

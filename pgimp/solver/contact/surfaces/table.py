@@ -79,8 +79,8 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     start, beside = _beside(facets.x, body, float(cell.max()) * _BESIDE[D - 1], D)
     surface = Surface(
         facets.x, facets.normal, facets.middle, facets.half, facets.area, facets.patch, body,
-        index, place, _tips(facets, start, beside), start, beside,
-        np.full((len(body), 3), np.inf), np.zeros((len(body), 3)),
+        index, place, facets.edges, _tips(facets, start, beside), start, beside,
+        np.full((len(body), 3), np.inf), np.zeros((len(body), 3)), np.zeros((len(body), 2, 3)),
     )  # fmt: skip
     keys = np.empty(len(numbers), np.int64)
     keys_of_vertices(bits_of(frame, 1 + max(fields, default=0)), numbers, keys)
@@ -187,9 +187,29 @@ def _cells(
     low[:, :D] = origin + places[:, 1:] * cell
     cells = SurfaceCells(
         low, np.searchsorted(every, corners).reshape(-1, len(corner)), start,
-        np.ascontiguousarray(pairs[:, 1]), weights,
+        np.ascontiguousarray(pairs[:, 1]), weights, _cells_beside(places),
     )  # fmt: skip
     return cells, of, np.stack(Vertices.numbers(rank, every), axis=1)
+
+
+def _cells_beside(places: np.ndarray) -> np.ndarray:
+    """The cells below and above along each direction, (m, 6); -1 for none.
+
+    `places` are fields and numbers along the directions, (m, 1 + D), ascending.
+    """
+    found = np.full((len(places), 6), -1)
+    if not len(places):
+        return found
+    inside = places - places.min(axis=0) + 1
+    shape = tuple(inside.max(axis=0) + 2)
+    keys = np.ravel_multi_index(tuple(inside.T), shape)
+    for d in range(1, places.shape[1]):
+        step = int(np.prod(shape[d + 1 :]))
+        for side in (0, 1):
+            moved = keys + (2 * side - 1) * step
+            at = np.minimum(np.searchsorted(keys, moved), len(keys) - 1)
+            found[:, 2 * (d - 1) + side] = np.where(keys[at] == moved, at, -1)
+    return found
 
 
 def _have_mass(rank: RankState, keys: np.ndarray) -> np.ndarray:
