@@ -27,7 +27,7 @@ def both(first, second):
         (scene(2, both(ALONG, BALL | {"surface": "exact"})), [True, True]),
         (scene(2, both(ALONG, BALL | {"surface": "whole"})), [False, False]),
         (scene(2, both(ALONG | {"surface": "whole"}, BALL)), [False, True]),
-        (scene(2, {"a": ALONG, "b": BALL | INITIAL}), [False, False]),
+        (scene(2, {"a": ALONG, "b": BALL | INITIAL}), [False, True]),
         (scene(2, both(ALONG, BALL), shape="bspline-quadratic"), [False, False]),
         (scene(2, ALONG | INITIAL), [False]),
         (scene(2, ALONG | INITIAL, boundaries=FLOOR), [True]),

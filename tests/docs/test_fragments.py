@@ -55,6 +55,17 @@ def initial():
     return case
 
 
+def anvil():
+    """A case in 2D of a rigid ball over a rigid anvil, beside a block exact to its surface."""
+    case = scene(2, bodies=("block",))
+    case["bodies"]["block"]["configuration"] = "initial"
+    ball = {"ball": {"centre": [6.0, 4.0], "radius": 1.0}}
+    case["bodies"]["ball"] = {"rigid": {"density": 1.0}, "region": ball}
+    plate = {"box": {"min": [4.0, 1.0], "max": [8.0, 2.0]}}
+    case["bodies"]["anvil"] = {"rigid": {}, "region": plate}
+    return case
+
+
 def plate():
     """A case in 2D of a large plate in the initial configuration."""
     case = scene(2, bodies=("plate",)) | {"grid": {"size": [10.0, 10.0], "cell": [0.5, 0.5]}}
@@ -102,6 +113,7 @@ FRAGMENTS = (
     ("output:\n  fields: [unwrapped", lambda: file_of("plane-waves"), ()),
     ("output:\n  every: 0.1\n  surface:", lambda: file_of("brake-pad"), ()),
     ("gravity: [{sine", lambda: scene(2), ()),
+    ("boundaries: {y-min: {separating: {friction: 0.3, rest", anvil, ()),
     ("boundaries:\n  y-min:\n    velocity:", lambda: scene(2), ()),
     ("bodies:                               # of a dam", ground, ()),
     ("constraints:\n  press:", lambda: scene(2), ()),

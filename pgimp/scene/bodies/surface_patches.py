@@ -8,16 +8,16 @@ direction. Small ones join a neighbour.
 from __future__ import annotations
 
 from itertools import product
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pgimp.scene.bodies.elements import Indices, Reals, half_edges
+from pgimp.scene.bodies.elements import Elements, Indices, Reals, half_edges
 from pgimp.scene.bodies.lattice_body import LatticeBody
 from pgimp.scene.bodies.surface_elements import find_elements
 from pgimp.scene.bodies.surfaces.beside import beside
-from pgimp.scene.bodies.surfaces.boxes import Closed
+from pgimp.scene.bodies.surfaces.boxes import Closed, distinct
 from pgimp.scene.bodies.surfaces.edges import FLAT, parted
 
 #: Least area of a facet, and of a patch that does not join another, over that of a cell's side.
@@ -53,7 +53,9 @@ class Facets(NamedTuple):
     @classmethod
     def joined(cls, every: list[Facets]) -> Facets:
         """All of some bodies; patches are numbered on."""
-        first, parts = 0, []
+        none = np.zeros((0, 3))
+        first, edges, whole = 0, np.zeros((0, 2, 3)), np.zeros(0, np.int64)
+        parts = [cls(none, none, *none.T[:2], none, none, edges, whole)]
         for each in every:
             parts.append(each._replace(patch=each.patch + first))
             first += each.patches
@@ -66,13 +68,9 @@ class Facets(NamedTuple):
 
 
 def facets_of(
-    body: LatticeBody,
-    origin: Reals,
-    cell: Reals,
-    closed: Closed = (),
-    ring: bool = False,
-    around: Around = None,
-) -> Facets:
+    body: LatticeBody, origin: Reals, cell: Reals, closed: Closed = (), ring: bool = False,
+    around: Around = None, elements: Elements | None = None,
+) -> Facets:  # fmt: skip
     """Facets of a body, in patches.
 
     Parameters
@@ -88,9 +86,13 @@ def facets_of(
     around : tuple of (D,) float64, optional
         Periods of the domain, 0 where there are none: patches go on across a seam. With a low end
         only facets within a period of it count, and none on planes at the third.
+    elements : Elements, optional
+        Those of its whole surface, if they are known.
     """
     low, high = body.box[0]
-    found = parted(find_elements(body, None, (low - 1, high + 1), closed))
+    if elements is None:
+        elements = find_elements(body, None, (low - 1, high + 1), closed)
+    found = parted(elements)
     size = np.sqrt((found.area * found.area).sum(axis=1))
     side = float(np.prod(cell)) ** (1.0 - 1.0 / len(cell))
     some = size > LEAST_FACET * side
@@ -102,7 +104,7 @@ def facets_of(
     leading = ways[np.arange(len(ways)), np.argmax(ways != 0.0, axis=1)]
     sign = np.where(leading < 0.0, -1.0, 1.0)
     places = np.column_stack([np.rint(1e3 * x / body.size), sign[:, None] * ways]) + 0.0
-    first, same = _distinct(places)
+    first, same = distinct(places)
     size = np.asarray(np.bincount(same, sign * size), float)
     way = (np.sign(size) * sign[first])[:, None]
     found, x, normal, size = found.chosen(first), x[first], way * normal[first], np.abs(size)
@@ -146,16 +148,6 @@ def facets_of(
         np.pad(edges, ((0, 0), (0, 0), (0, 3 - len(cell)))),
         patch,
     )
-
-
-def _distinct(values: NDArray[Any]) -> tuple[Indices, Indices]:
-    """First of each of the different rows, in ascending order, and which of these each row is."""
-    order = np.lexsort(values.T[::-1])
-    new = np.ones(len(order), bool)
-    new[1:] = (values[order[1:]] != values[order[:-1]]).any(axis=1)
-    same = np.empty(len(order), np.int64)
-    same[order] = np.cumsum(new) - 1
-    return order[new], same
 
 
 def _three(values: Reals) -> Reals:
@@ -202,7 +194,7 @@ def _patches(
     axis = np.argmax(np.round(np.abs(normal), 6), axis=1)
     sign = normal[np.arange(len(x)), axis] > 0.0
     keys = np.column_stack([inside, 2 * axis + sign])
-    first, patch = _distinct(keys)
+    first, patch = distinct(keys)
     places, patch = _flat(inside[first], patch, normal, area)
     total = np.asarray(np.bincount(patch, area), float)
     centre, mean = (

@@ -159,6 +159,7 @@ def cut_elements(
     whole = volume > (1.0 - _ROUNDING) * full
     # Pieces without a surface inside, but for their faces, have an element for each of these.
     plain = whole | (volume < _ROUNDING * full) if cuts else np.zeros(n, bool)
+    flat = np.flatnonzero(plain)
     sides, before = [], _before(number)
     for d in range(D):
         moment[:, d, d] += volume
@@ -179,22 +180,24 @@ def cut_elements(
                     more[:, k] = half_size * first[:, rest]
                     second[:, k, d] += 0.5 * inner[:, rest]  # once for each side
                 second[:, k, d] -= side * more[:, k]
-            if plain.any():
+            if len(flat):
                 missing = np.where(whole, full / size[:, d], 0.0) - face
                 arms[:, d] -= side * 0.5 * np.where(whole, full, 0.0)
-                sides.append(_side(d, side, missing, -side * arms, -side * more))
+                of = (each[flat] for each in (missing, -side * arms, -side * more))
+                sides.append(_side(d, side, *of))
     there = np.zeros(n, bool)
     for d in range(D):
         there |= np.abs(area[:, d]) > _LEAST * (full / size[:, d])
     found = Elements(box, 0.5 * (low + high), area, moment, 0.5 * size, second)
-    if not plain.any():
+    if not len(flat):
         return found.chosen(there)
-    every = [found.chosen(there & ~plain)]
+    every, flat_ones = [found.chosen(there & ~plain)], found.chosen(flat)
     for of_side, moments, seconds, d in sides:
-        some = plain & (np.abs(of_side[:, d]) > _LEAST * (full / size[:, d]))
-        own = found._replace(area=of_side, moment=moments, second=seconds)
+        some = np.abs(of_side[:, d]) > _LEAST * (full[flat] / size[flat, d])
+        own = flat_ones._replace(area=of_side, moment=moments, second=seconds)
         every.append(own.chosen(some))
-    return Elements(*map(np.concatenate, zip(*every, strict=True)))
+    joined = Elements(*map(np.concatenate, zip(*every, strict=True)))
+    return joined.chosen(np.lexsort(joined.box.T[::-1]))
 
 
 def _column(axes: tuple[int, ...], d: int) -> int:

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 
 from pgimp.jit.bound import Bound
+from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.surfaces.data import Surface, SurfaceCells
 from pgimp.kernels.contact.surfaces.search import find_beside, keys_of_vertices
 from pgimp.kernels.data.motion import KEPT_MASS
 from pgimp.kernels.data.record import RECORD
 from pgimp.scene.bodies.lattice import Lattice
 from pgimp.scene.bodies.lattice_body import LatticeBody
-from pgimp.scene.bodies.surface_patches import Facets, facets_of
+from pgimp.scene.bodies.surface_patches import Facets
+from pgimp.scene.bodies.surfaces.boxes import Closed, distinct
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.grown import grown
 from pgimp.solver.contact.lagrangian.messages import united
+from pgimp.solver.contact.surfaces.divided import Ends, all_facets
 from pgimp.solver.contact.surfaces.seams import closed_faces, one_period, places_with_images
 from pgimp.solver.lagrangian.masters import Vertices
 from pgimp.solver.rank_state import RankState
@@ -71,9 +73,11 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     closed = [face for face in scene.interaction.loads.surfaces.closed if face not in letting]
     gone = [scene.body_names.index(name) for name in scene.case.staged.removed]
     gone += np.flatnonzero(~scene.settings.lagrangian).tolist()  # of these facets know nothing
-    here = [number for number in range(len(every)) if number not in gone]
-    found = [_facets(scene, every[number], number, closed) for number in here]
-    body = np.repeat(here, [len(each.x) for each in found])
+    rehearses = needed(0)  # whatever has no facets has the same kernels
+    here = [number for number in range(len(every)) if number not in gone and not rehearses]
+    ends = [_ends(scene, every[number], number, closed) for number in here]
+    found = all_facets(rank.comm, [every[number] for number in here], origin, cell, ends)
+    body = np.repeat(np.array(here, np.int64), [len(each.x) for each in found])
     facets = Facets.joined(found)
     soft = body < len(scene.body_names)
     cells, of, numbers = _cells(rank, facets, body, soft, fields)
@@ -91,8 +95,7 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     keys = np.empty(len(numbers), np.int64)
     keys_of_vertices(bits_of(frame, 1 + max(fields, default=0)), numbers, keys)
     number = np.floor((facets.x[:, :D] - origin) / (WIDE * cell)).astype(np.int64)
-    _, cluster = np.unique(np.column_stack([body, number]), axis=0, return_inverse=True)
-    cluster = cluster.reshape(-1)
+    cluster = distinct(np.column_stack([body, number]))[1]
     count = 1 + cluster.max(initial=-1)
     members = np.argsort(cluster, kind="stable")
     first = np.concatenate([[0], np.cumsum(np.bincount(cluster, minlength=count))])
@@ -103,23 +106,20 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     corner = cells.corners[of].reshape(-1)
     turns = (at - numbers[corner, :D]) // np.array(frame.cells)
     pair = np.column_stack([np.repeat(cluster[soft], corners), corner, turns])
-    owner, corner, *turns = np.unique(pair, axis=0).T
+    owner, corner, *turns = pair[distinct(pair)[0]].T
     return Table(
         surface, cells, numbers, keys, first, members, body[members[first[:-1]]],
         np.ascontiguousarray(owner), np.ascontiguousarray(corner), np.stack(turns, axis=1),
     )  # fmt: skip
 
 
-def _facets(
-    scene: Scene, body: LatticeBody, number: int, held: Sequence[tuple[int, int]]
-) -> Facets:
-    """The facets of a body; a rigid one's number comes after the others'."""
-    frame, ring, periods = scene.domain.frame, scene.case.axisymmetric, scene.domain.periods
-    around = np.array(frame.origin), np.array(frame.cell)
+def _ends(scene: Scene, body: LatticeBody, number: int, held: Closed) -> Ends:
+    """Where a body's surface ends; a rigid one's number comes after the others'."""
+    ring, periods = scene.case.axisymmetric, scene.domain.periods
     if number < len(scene.body_names):
-        return facets_of(body, *around, closed_faces(scene, body, held), ring, (periods,))
+        return Ends(closed_faces(scene, body, held), ring, (periods,))
     entry = scene.interaction.rigid_bodies.entries[number - len(scene.body_names)]
-    return facets_of(body, *around, (), ring, one_period(body, entry, frame, periods))
+    return Ends((), ring, one_period(body, entry, scene.domain.frame, periods))
 
 
 def _bodies(scene: Scene) -> list[LatticeBody]:
@@ -159,27 +159,30 @@ def _cells(
     D, cell, origin = scene.dimension, np.array(frame.cell), np.array(frame.origin)
     corner = np.array([*product((0, 1), repeat=D)])
     x, normal, body = facets.x[soft, :D], facets.normal[soft, :D], body[soft]
-    own = np.stack(
-        [np.floor((x - origin) / cell - depth * normal).astype(np.int64) for depth in _DEPTHS]
-    )
     field = np.array(fields or [0] * len(scene.body_names), np.int64)[body]
-    key = Vertices.key(
-        rank,
-        (own[:, :, None] + frame.ghost + corner).reshape(-1, D),
-        np.tile(np.repeat(body, len(corner)), len(_DEPTHS)),
-    )
-    some, at = np.unique(key, return_inverse=True)
-    known = _have_mass(rank, some)
-    if slaves:
-        known |= np.isin(some, slaves.keys)
-    good = known[at.reshape(len(_DEPTHS), len(x), len(corner))].all(axis=2)
-    depth = np.argmax(good, axis=0)
-    number = own[depth, np.arange(len(x))]
-    places, of = np.unique(np.column_stack([field, number]), axis=0, return_inverse=True)
-    of = of.reshape(-1)
+    number, left = np.zeros((len(x), D), np.int64), np.arange(len(x))
+    for depth in _DEPTHS:
+        if not len(left):
+            break
+        own = np.floor((x[left] - origin) / cell - depth * normal[left]).astype(np.int64)
+        first, of = distinct(np.column_stack([field[left], own]))
+        some = Vertices.key(
+            rank, (own[first, None] + frame.ghost + corner).reshape(-1, D),
+            np.repeat(body[left[first]], len(corner)),
+        )  # fmt: skip
+        known = _have_mass(rank, some)
+        if slaves:
+            known |= np.isin(some, slaves.keys)
+        good = np.asarray(known.reshape(-1, len(corner)).all(axis=1))[of]
+        if depth == _DEPTHS[0]:
+            number[:] = own
+        number[left[good]] = own[good]
+        left = left[~good]
+    first, of = distinct(np.column_stack([field, number]))
+    places = np.column_stack([field, number])[first]
     corners = Vertices.key(
         rank, (places[:, None, 1:] + frame.ghost + corner).reshape(-1, D),
-        np.repeat(body[np.unique(of, return_index=True)[1]], len(corner)),
+        np.repeat(body[first], len(corner)),
     )  # fmt: skip
     # What moves each vertex of a cell: itself, or its masters.
     row = np.repeat(np.arange(len(places)), len(corner))
@@ -202,9 +205,10 @@ def _cells(
     row, moved, which, weight = (np.concatenate(each) for each in zip(*entries, strict=True))
     every = np.unique(np.concatenate([corners, moved]))
     column = np.searchsorted(every, moved)
-    pairs, entry = np.unique(np.column_stack([row, column]), axis=0, return_inverse=True)
-    weights = np.zeros((len(pairs), len(corner)))
-    np.add.at(weights, (entry.reshape(-1), which), weight)
+    pairs = np.column_stack([row, column])
+    first, entry = distinct(pairs)
+    pairs, weights = pairs[first], np.zeros((len(first), len(corner)))
+    np.add.at(weights, (entry, which), weight)
     start = np.concatenate([[0], np.cumsum(np.bincount(pairs[:, 0], minlength=len(places)))])
     low = np.zeros((len(places), 3))
     low[:, :D] = origin + places[:, 1:] * cell
