@@ -33,9 +33,8 @@ class KeptForces(WarmStart):
     def stored(self) -> np.ndarray:
         """What a checkpoint has, on the first rank, (n, `WIDTH`) float64; collective."""
         before = self._kept
-        if self.comm.size > 1:
-            every = before if self._whole else self._together()
-            self._kept = every if self.comm.rank == 0 else every[:0]
+        every = before if self._whole else self._together()
+        self._kept = every if self.comm.rank == 0 else every[:0]
         self._root = 0
         found = super().stored
         self._kept = before
