@@ -41,9 +41,6 @@ _FACING, _LEAST = 8, 0.03
 #: the gap above which it has none either, and cells of gap at which it always has one.
 NEAR, SOON, TOUCHES = 0.25, 4.0, 1e-3
 
-#: Cells by which overlapping surfaces part in a step, at most.
-PARTS = 1e-3
-
 #: Least cosine between normals on one side of a body.
 _ONE_SIDE = 0.7
 
@@ -250,7 +247,7 @@ def _set_pair(contact, surface, group, side, law, size, pair):
     for d in range(3):
         row.normal[d] /= sqrt(square)
         rigid[2, d] /= whole
-    row.gap_rate = max(gap, -PARTS * cell) / dt
+    row.gap_rate = gap / dt
     row.area = max(row.area, glued)
     row.adhesion, row.shear_adhesion = normal * glued * dt, shear * glued * dt
     for n in range(first, last):

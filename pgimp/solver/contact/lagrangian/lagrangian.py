@@ -64,6 +64,8 @@ class LagrangianContact(NoContact):
         different fields unless they are bonded.
     free : FreeBodies or None
         The rigid bodies that move freely, if any.
+    sweeps : int
+        Sweeps over the pairs in the last step with any, on the rank that solves.
     """
 
     bears = True
@@ -93,7 +95,7 @@ class LagrangianContact(NoContact):
         self._particles = NearParticles(scene, comm, self._selector.local)
         self._selection: Selection | None = None
         self._warm_start = WarmStart(comm)
-        self._dt = 0.0
+        self._dt, self.sweeps = 0.0, 0
         self._box = np.zeros((WIDE**2, WIDE))
 
     @property
@@ -225,10 +227,8 @@ class LagrangianContact(NoContact):
         contact, call, mirrors = self._contact, self.call, self._selector.mirrors
         pairs, coupling, (keys, values) = joint
         vertices, solved = flat(values), Solved.empty(len(values), coupling)
-        scratch = np.empty((2, len(pairs.ends), IMPULSES))
         call(begin_solution, free.frame, vertices, coupling, solved)
-        self._warm_start.begin(contact, pairs, coupling, solved, self._dt)
-        call(solve_impulses, contact, free, pairs, coupling, solved, scratch, *self._accuracy)
+        self._sweep(joint, free, solved)
         self._warm_start.keep(pairs, self._dt)
         changes = Changes(keys, *np.empty((2, len(keys), 3)))
         call(find_changes, vertices, solved, changes)
@@ -236,6 +236,15 @@ class LagrangianContact(NoContact):
             call(book_mirrored, pairs, coupling, mirrors, ledger)
         call(book_contacts, contact, free, pairs, coupling, solved, self._walls, ledger)
         return changes
+
+    def _sweep(self, joint: Joint, free: Holding, solved: Solved) -> None:
+        """Sweep over the pairs from the last steps' impulses on."""
+        contact, (pairs, coupling, _) = self._contact, joint
+        scratch = np.empty((2, len(pairs.ends), IMPULSES))
+        self._warm_start.begin(contact, pairs, coupling, solved, self._dt)
+        self.sweeps = self.call(
+            solve_impulses, contact, free, pairs, coupling, solved, scratch, *self._accuracy
+        )
 
     def _find(self, near: Near, t: Step) -> tuple[ContactPairs, Coupling]:
         """Find the candidate pairs in this rank's share, and their rows of B."""
