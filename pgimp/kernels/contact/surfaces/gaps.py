@@ -27,6 +27,10 @@ _ALONG = 1e-6
 #: Part of the mean radius of a facet by which it reaches farther than a disc of its area.
 _WIDE = 1.25
 
+#: What is beside a disc by more than the root of 2 of its radius is at least this part of the square
+#: from its rim.
+_BEYOND = 0.0857
+
 #: Cells by which a point may lie beside a facet's part of a box, and the same over its distance, of
 #: points before the facet and behind it: what is deep beside an edge is not in the body.
 _BESIDE, _BESIDE_BEFORE, _BESIDE_BEHIND = 1e-3, 0.5, 0.15
@@ -62,8 +66,11 @@ def apart(surface, s, f, cell):
 
 
 @inner_kernel
-def _square(D, surface, s, cell, f):
-    """Square of the distance of facet `s` from facet `f`, with the `reluctance` of both."""
+def _square(D, surface, s, cell, f, most):
+    """Square of the distance of facet `s` from facet `f`, with the `reluctance` of both.
+
+    It is inf where it is seen to be above `most` before roots are taken.
+    """
     x, facing = surface.now[s], surface.turned[s]
     if surface.body[s] == surface.body[f] and not apart(surface, s, f, cell):
         return inf
@@ -74,20 +81,24 @@ def _square(D, surface, s, cell, f):
         whole += way * way
         same += facing[d] * n
     beside = max(whole - along * along, 0.0)
-    radius = 0.5 * surface.area[f] if D == 2 else _WIDE * 0.5642 * sqrt(surface.area[f])
-    over = max(0.0, sqrt(beside) - radius) if D > 1 else 0.0
-    return along * along + over * over + _ALONG * beside + reluctance(same, cell)
+    square, over = along * along + _ALONG * beside, 0.0
+    reach = 0.25 * surface.area[f] ** 2 if D == 2 else (_WIDE * 0.5642) ** 2 * surface.area[f]
+    if D > 1 and beside > reach:
+        if square > most or (beside > 2.0 * reach and square + _BEYOND * beside > most):
+            return inf
+        over = sqrt(beside) - sqrt(reach)
+    return square + over * over + reluctance(same, cell)
 
 
 @inner_kernel
 def next_facet(D, surface, s, cell, f):
     """Facet next to facet `s`, from facet `f` on along neighbours."""
-    least = _square(D, surface, s, cell, f)
+    least = _square(D, surface, s, cell, f, inf)
     while True:
         best = f
         for k in range(surface.start[f], surface.start[f + 1]):
             other = surface.beside[k]
-            square = _square(D, surface, s, cell, other)
+            square = _square(D, surface, s, cell, other, least)
             if square < least or (square == least and other < best):
                 least, best = square, other
         if best == f:
@@ -218,12 +229,13 @@ def find_gaps(frame, rigid_bodies, walls, surface, moved, scratch, far, every):
         The cells, and the displacements of the surface vertices.
     scratch
         As of `move_facets`.
-    far : float
-        Greatest distance. Farther away the cell's displacements, extrapolated, may fold.
+    far : (float, bool)
+        Greatest distance: farther away the cell's displacements, extrapolated, may fold. Whether
+        the facets next to others may have changed since they were found.
     every : (n,) NEAR_FACET
         The facets; `other` is where the search for the one next to them begins.
     """
-    D, last, (cells, u) = len(frame.cell), -1, moved
+    D, last, (cells, u), (farthest, walks) = len(frame.cell), -1, moved, far
     for n in range(len(every)):
         near = every[n]
         s = near.facet
@@ -235,12 +247,13 @@ def find_gaps(frame, rigid_bodies, walls, surface, moved, scratch, far, every):
             for d in range(3):
                 near.normal[d] = -1.0 * side if d == axis else 0.0
         else:
-            near.other = next_facet(D, surface, s, frame.cell[0], near.other)
+            if walks:
+                near.other = next_facet(D, surface, s, frame.cell[0], near.other)
             same = 0.0
             for d in range(3):
                 same += surface.turned[s, d] * surface.turned[near.other, d]
-            most = far * far + reluctance(same, frame.cell[0])
-            if _square(D, surface, s, frame.cell[0], near.other) > most:
+            most = farthest * farthest + reluctance(same, frame.cell[0])
+            if _square(D, surface, s, frame.cell[0], near.other, inf) > most:
                 near.gap = inf
                 continue
             c = surface.cell[near.other]

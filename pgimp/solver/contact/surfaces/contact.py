@@ -27,7 +27,6 @@ from pgimp.kernels.data.ledger import CONTACT_AREA
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
-from pgimp.solver.contact.grown import grown
 from pgimp.solver.contact.lagrangian.joint import Joint, share
 from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact, nothing_held
 from pgimp.solver.contact.lagrangian.selected import flat
@@ -54,7 +53,7 @@ class SurfaceContact(LagrangianContact):
         self._table: Table | None = None
         self._slaves: object = None
         self._acts = np.zeros((0, 0), np.uint8)
-        self._rate = 0.0
+        self._rate, self._room = 0.0, (ContactPairs.empty(0), _rows(0, 0))
         cell = scene.domain.frame.cell
         self._sizes = LEAST_AREA * min(cell) ** (len(cell) - 1), PARTS * min(cell)
         if not self.free:
@@ -165,36 +164,40 @@ class SurfaceContact(LagrangianContact):
         """The pairs of patches and other bodies, with their rows of B."""
         call, frame, surface = self.call, self.scene.domain.frame, table.surface
         proximity, rigid, cells = self._proximity, self.rigid_bodies, near.cells
-        every, scratch = proximity.candidates, proximity.scratch
+        every, scratch, least = proximity.candidates, proximity.scratch, min(frame.cell)
+        fastest = float(np.abs(values["velocity"]).max(initial=0.0)) + self._rate * least
         call(move_facets, frame, rigid, surface, cells, u, proximity.moving, scratch)
-        far = proximity.far
+        far = proximity.far, bool(proximity.walks(fastest * dt / least))
         call(find_gaps, frame, rigid, self._walls, surface, (cells, u), scratch, far, every)
-        most = len(every)
-        pairs, seen = ContactPairs.empty(most), np.empty((2, len(near.keys)), np.int64)
-        vertices, counts = (flat(values), seen, np.empty(2 ** len(frame.cell))), [0, 0]
-        fastest = float(np.abs(values["velocity"]).max(initial=0.0)) + self._rate * min(frame.cell)
+        seen, counts = np.empty((2, len(near.keys)), np.int64), [0, 0]
+        vertices = flat(values), seen, np.empty(2 ** len(frame.cell))
+        if len(self._room[0].ends) < len(every):
+            self._room = ContactPairs.empty(len(every)), _rows(len(every), 8 * len(every))
 
         def fill(coupling: Coupling) -> int:
             counts[0], counts[1], used = call(
-                find_patch_pairs, self._contact, frame, surface, cells, every.copy(), (dt, fastest),
-                vertices, (pairs, coupling),
+                find_patch_pairs, self._contact, frame, surface, cells, every, (dt, fastest),
+                vertices, (self._room[0], coupling),
             )  # fmt: skip
             return int(used)
 
-        coupling, used = grown(
-            8 * most + 64,
-            lambda size: Coupling(
-                np.zeros(2 * most + 1, np.int64),
-                np.empty(size, np.int64),
-                np.empty((size, 1)),
-                np.empty((2 * most, 3)),
-                np.zeros((2 * most, 0, 3)),
-            ),
-            fill,
-        )
+        pairs, coupling = self._room
+        used = fill(coupling)
+        if used > len(coupling.column):
+            coupling = _rows(len(every), used + used // 4)
+            self._room = pairs, coupling
+            fill(coupling)
         found, rows = counts
         coupling = Coupling(
             coupling.start[: rows + 1], coupling.column[:used], coupling.entry[:used],
             coupling.answer[:rows], coupling.beyond[:rows],
         )  # fmt: skip
         return Joint(pairs.chosen(slice(found)), coupling, ReferenceVertices(near.keys, values))
+
+
+def _rows(pairs: int, entries: int) -> Coupling:
+    """Room for the rows of so many pairs, with so many entries."""
+    return Coupling(
+        np.zeros(2 * pairs + 1, np.int64), np.empty(entries, np.int64), np.empty((entries, 1)),
+        np.empty((2 * pairs, 3)), np.zeros((2 * pairs, 0, 3)),
+    )  # fmt: skip

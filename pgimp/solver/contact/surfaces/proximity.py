@@ -26,12 +26,15 @@ from pgimp.solver.rank_state import RankState
 #: Cells by which each body may move until the next search, and the most steps until then.
 TRAVEL, LONGEST = 0.25, 16
 
+#: Cells of travel within which the facets next to others stay so.
+WALK = 0.002
+
 _U = slice(DISPLACEMENT, DISPLACEMENT + 3)
 
 #: What a checkpoint has of each candidate, and its parts: displacements, facets, moving ones,
-#: these.
+#: these. Before them there are three numbers and the parts' lengths.
 _KEPT = ("facet", "body", "other")
-_PARTS = 3 + len(_KEPT)
+_PARTS, _NUMBERS = 3 + len(_KEPT), 3
 
 
 class Near(NamedTuple):
@@ -77,7 +80,7 @@ class Proximity:
         adheres = pairs.adhesion[:, 2].max(initial=0.0) if pairs else 0.0
         self.far = max(FARTHEST * cell.min(), adheres)
         self._reach = (2.0 * TRAVEL) * cell + self.far
-        self._pause, self._moved = 0, 0.0
+        self._pause, self._moved, self._walked = 0, 0.0, np.inf
         self._records = np.empty(0, np.int64)
         self._window: object = None
         self._before = np.empty((0, 3))  # displacements of all surface vertices at the last search
@@ -102,7 +105,8 @@ class Proximity:
             return np.empty(0)
         parts = (self._before.reshape(-1), self.near.facets, self.moving,
                  *(self.candidates[name] for name in _KEPT))  # fmt: skip
-        return np.concatenate([[self._pause, self._moved], list(map(len, parts)), *parts])
+        numbers = [self._pause, self._moved, self._walked]
+        return np.concatenate([numbers, list(map(len, parts)), *parts])
 
     def restore(self, state: np.ndarray) -> None:
         """Continue with the `state` of a checkpoint, on every rank."""
@@ -111,12 +115,14 @@ class Proximity:
     def _continue(self, rank: RankState, table: Table) -> None:
         """Take over the state of a checkpoint, if it is of these surfaces; collective."""
         state, self._restored = self._restored, np.empty(0)
-        sizes = state[2 : 2 + _PARTS].astype(np.int64)
-        if sizes[0] != 3 * len(table.keys) or len(state) != 2 + _PARTS + sizes.sum():
+        head = _NUMBERS + _PARTS
+        sizes = state[_NUMBERS:head].astype(np.int64)
+        if sizes[0] != 3 * len(table.keys) or len(state) != head + sizes.sum():
             return
-        before, *parts = np.split(state[2 + _PARTS :], np.cumsum(sizes[:-1]))
+        before, *parts = np.split(state[head:], np.cumsum(sizes[:-1]))
         facets, self.moving, *every = (part.astype(np.int64) for part in parts)
-        self._pause, self._moved, self._before = int(state[0]), state[1], before.reshape(-1, 3)
+        self._pause, self._moved, self._walked = int(state[0]), state[1], state[2]
+        self._before = before.reshape(-1, 3)
         self.candidates = no_facets(len(every[0]))
         for name, values in zip(_KEPT, every, strict=True):
             self.candidates[name] = values
@@ -134,8 +140,8 @@ class Proximity:
             facets = self.near.facets
             self._find_root(rank)
             if self.root != before:
-                here = self.candidates, self.moving
-                self.candidates, self.moving = self.comm.bcast(here, before)
+                here = self.candidates, self.moving, self._walked
+                self.candidates, self.moving, self._walked = self.comm.bcast(here, before)
         if facets is not None:
             self.near = self._select(table, facets)
 
@@ -190,6 +196,7 @@ class Proximity:
             self._pause = int(min(LONGEST, left / travel if travel > 0.0 else LONGEST)) - 1
             return
         self._before, self._moved = self._everywhere(own, motion[:, _U]), 0.0
+        self._walked = np.inf
         self._pause = int(max(1.0, min(LONGEST, TRAVEL / travel if travel > 0.0 else LONGEST))) - 1
         self._find_root(rank)
         boxes = self._boxes(rank, table, rigid)
@@ -252,6 +259,13 @@ class Proximity:
             len(facets) > 0, facets, mapped, table.keys[marks], self._records[own], number[own],
             np.concatenate(every), np.array([len(each) for each in every]),
         )  # fmt: skip
+
+    def walks(self, travel: float) -> bool:
+        """Whether facets next to others are to be found anew, given a step's travel in cells."""
+        self._walked += travel
+        again = self._walked > WALK
+        self._walked = 0.0 if again else self._walked
+        return again
 
     def displacements(self, rank: RankState, near: Near) -> np.ndarray | None:
         """Displacements of the near vertices, (v, 3), on the root; collective."""
