@@ -27,8 +27,8 @@ _ALONG = 1e-6
 #: Part of the mean radius of a facet by which it reaches farther than a disc of its area.
 _WIDE = 1.25
 
-#: What is beside a disc by more than the root of 2 of its radius is at least this part of the square
-#: from its rim.
+#: Beside a disc by more than its radius times the root of 2: least part of the square that is from
+#: the rim on.
 _BEYOND = 0.0857
 
 #: Cells by which a point may lie beside a facet's part of a box, and the same over its distance, of
