@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Literal
 
 from pydantic import Field
 
-from pgimp.geometry.regions import RegionEntry
+from pgimp.geometry.regions import Points, RegionEntry
 from pgimp.physics.loads.motion import RigidMotion, zero_vector
 from pgimp.physics.loads.own_velocity import OwnVelocity
+from pgimp.physics.shapes.base import Shape
 from pgimp.schema.base import Model, Name, Vector
 from pgimp.schema.dispatch import Either, WithKey
 
@@ -21,9 +23,10 @@ class Body(Model):
     surface: Literal["cut", "whole", "exact"] = Field(
         default="cut",
         description="cut: a particle that the surface cuts has the volume, mass and momentum of "
-        "its part inside; whole: whole particles, those whose centre lies inside; exact, for "
-        "bodies in the initial configuration: weights and forces of cut particles are those of "
-        "their parts, too, and vertices that hold next to nothing move with those next to them",
+        "its part inside; where all bodies are in the initial configuration, in a shape no wider "
+        "than cells, its weights and forces are those of this part, too, and vertices that hold "
+        "next to nothing move with those next to them. whole: whole particles, those whose centre "
+        "lies inside. exact: older word for `cut` there",
     )
     velocity: Annotated[
         tuple[float, ...] | RigidMotion | OwnVelocity,
@@ -47,3 +50,16 @@ class Body(Model):
         default=None,
         description="mass of this body's vertices, see `method`; by default that of `method.mass`",
     )
+
+
+def may_be_exact(bodies: Mapping[str, Body], method: Shape) -> list[bool]:
+    """Whether each body can be exact to its surface, and is not to be `whole`.
+
+    Weights of parts of particles are those of their cells. So shapes wider than these have none,
+    nor have bodies from files of particles, and scenes with bodies in the current configuration.
+    """
+    able = method.in_cell and all(b.configuration == "initial" for b in bodies.values())
+    return [
+        able and body.surface != "whole" and not isinstance(body.region, Points)
+        for body in bodies.values()
+    ]

@@ -142,6 +142,7 @@ class Staged(NamedTuple):
     rebonds: bool = False
     damped: bool = False  #: Whether a previous stage has damping.
     settled: bool = False  #: Whether a previous stage after the first has come to rest.
+    meets: bool = False  #: Whether bodies may meet anything in any stage.
     added: tuple[str, ...] = ()  #: Bodies that have come in this stage or a previous one.
     awaited: Mapping[str, int] = {}  #: Bodies that come in later stages, with their numbers.
     stress: Any = None  #: InitialStress or None: The stress with which bodies begin.

@@ -12,6 +12,8 @@ Every box is computed separately, in a fixed order of operations. Neither the ot
 nor their number changes a bit.
 """
 
+from itertools import permutations
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -28,6 +30,9 @@ _TWO = (0.5 - np.sqrt(1.0 / 12.0), 0.5 + np.sqrt(1.0 / 12.0)), (0.5, 0.5)
 
 #: Likewise with products of inertia, whose integrands have two degrees more.
 _THREE = (0.5 - np.sqrt(0.15), 0.5, 0.5 + np.sqrt(0.15)), (5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0)
+
+#: The middle, of stretches that lie inside or outside as a whole.
+_ONE = (0.5,), (1.0,)
 
 #: Directions of the coordinates that each integral multiplies, by dimensions. The last two in 2D
 #: are for rings.
@@ -55,7 +60,9 @@ class TangledError(Exception):
         )
 
 
-def measure(region: Region, low: Points, high: Points, products: int = 0) -> tuple[Reals, Reals]:
+def measure(
+    region: Region, low: Points, high: Points, products: int = 0, across: int | None = None
+) -> tuple[Reals, Reals]:
     """Measure the parts of boxes that lie in a region.
 
     Parameters
@@ -64,6 +71,9 @@ def measure(region: Region, low: Points, high: Points, products: int = 0) -> tup
         Corners of the boxes.
     products : int
         Number of products of inertia to measure, too.
+    across : int, optional
+        Direction in which boxes are thin: their parts are as in the middle of pieces between
+        planes, and what has moments along it is not measured.
 
     Returns
     -------
@@ -84,7 +94,7 @@ def measure(region: Region, low: Points, high: Points, products: int = 0) -> tup
         part = slice(begin, begin + _BATCH)
         centre = 0.5 * (low[part] + high[part])
         rows, a, b = pieces(region, low[part], high[part])
-        _add(total[part], rows, _piece(region, a, b, centre[rows], width))
+        _add(total[part], rows, _piece(region, a, b, centre[rows], width, across))
     return total[:, 0], total[:, 1:]
 
 
@@ -131,6 +141,8 @@ def _stretches(low: Reals, high: Reals, rows: Rows, cuts: Reals) -> tuple[Rows, 
     The cuts of a row, in any order and some of them twice, lie between its ends.
     """
     every = np.flatnonzero(low < high)
+    if not len(rows):
+        return every, low[every], high[every]
     rows = np.concatenate([every, rows, every])
     ends = np.concatenate([low[every], cuts, high[every]])
     order = np.lexsort((ends, rows))
@@ -139,7 +151,9 @@ def _stretches(low: Reals, high: Reals, rows: Rows, cuts: Reals) -> tuple[Rows, 
     return rows[starts], ends[starts], ends[starts + 1]
 
 
-def _piece(region: Region, low: Points, high: Points, centre: Points, width: int) -> Reals:
+def _piece(
+    region: Region, low: Points, high: Points, centre: Points, width: int, across: int | None
+) -> Reals:
     """Volume and moments about `centre` of pieces without cuts by planes, (n, width)."""
     n, D = low.shape
     middle, size = 0.5 * (low + high), high - low
@@ -147,7 +161,7 @@ def _piece(region: Region, low: Points, high: Points, centre: Points, width: int
     square = np.zeros(n)
     for d in range(D):
         square += size[:, d] * size[:, d]
-    uniform = region.curved(middle) >= 0.5 * np.sqrt(square)
+    uniform = (region.curved(middle) >= 0.5 * np.sqrt(square)) | (across is not None and D == 1)
     whole = np.flatnonzero(uniform)
     whole = whole[region.contains(middle[whole])]
     volume = np.ones(len(whole))
@@ -164,12 +178,17 @@ def _piece(region: Region, low: Points, high: Points, centre: Points, width: int
     if len(rest) == 0:
         return total
     steep = _steepness(region, middle[rest], size[rest])
+    if across is not None:
+        steep[:, across] = -1.0
     order = np.argsort(steep, axis=1, kind="stable")  # the line's direction comes last
-    for axes in np.unique(order, axis=0):
+    for axes in permutations(range(D)):
         rows = rest[(order == axes).all(axis=1)]
-        total[rows] = _integrate(
-            region, middle[rows], low[rows], high[rows], centre[rows], tuple(axes.tolist()), width
-        )
+        if not len(rows):
+            continue
+        along = axes if across is None else axes[1:]
+        total[rows] = _integrate(region, middle[rows], rows, (low, high, centre), along, width)
+        if across is not None:
+            total[rows] *= size[rows, across, None]
     return total
 
 
@@ -196,64 +215,56 @@ def _steepness(region: Region, middle: Points, size: Points) -> Reals:
 def _integrate(
     region: Region,
     points: Points,
-    low: Points,
-    high: Points,
-    centre: Points,
+    row: Rows,
+    boxes: tuple[Points, Points, Points],
     axes: tuple[int, ...],
     columns: int,
 ) -> Reals:
-    """Integrals over the directions `axes`, the others fixed at `points`; (n, columns)."""
+    """Integrals over the directions `axes`, the others fixed at `points`; (n, columns).
+
+    `row` are the points' rows in `boxes`: their low and high corners, and centres.
+    """
+    from pgimp.geometry.lines import add_nodes, add_stretches, cut_lines, set_nodes
+
+    n, D = points.shape
     most = max(1, _CROSSINGS // region.parts)
-    if len(points) > most:
-        few = [slice(begin, begin + most) for begin in range(0, len(points), most)]
+    if n > most:
+        few = [slice(begin, begin + most) for begin in range(0, n, most)]
         return np.concatenate(
-            [_integrate(region, points[i], low[i], high[i], centre[i], axes, columns) for i in few]
+            [_integrate(region, points[i], row[i], boxes, axes, columns) for i in few]
         )
     axis, inner = axes[0], axes[1:]
-    a, b = low[:, axis], high[:, axis]
-    found, cuts = [], []
+    crossings = []
     for corner in np.ndindex(*(2,) * len(inner)):
-        edge = points.copy()
+        edge = points.copy() if inner else points
         for d, end in zip(inner, corner, strict=True):
-            edge[:, d] = (low, high)[end][:, d]
-        crossing = region.crossings(edge, axis)
-        rows, column = np.nonzero((a[:, None] < crossing) & (crossing < b[:, None]))
-        found.append(rows)
-        cuts.append(crossing[rows, column])
-    for rows, cut in corners(region, points, low, high, axes):
-        found.append(rows)
-        cuts.append(cut)
-    rows, left, right = _stretches(a, b, np.concatenate(found), np.concatenate(cuts))
-    if np.bincount(rows).max(initial=0) > _MOST_CUTS:
+            edge[:, d] = boxes[end][row, d]
+        crossings.append(region.crossings(edge, axis))
+    every = np.concatenate(crossings, axis=1)
+    more, cut = np.zeros(0, np.int64), np.zeros(0)
+    if inner and (found := [*corners(region, points, boxes[0][row], boxes[1][row], axes)]):
+        more, cut = (np.concatenate(each) for each in zip(*found, strict=True))
+        order = np.argsort(more, kind="stable")
+        more, cut = more[order], cut[order]
+    room = n * (1 + every.shape[1]) + len(more)
+    of, left, right = np.empty(room, np.int64), np.empty(room), np.empty(room)
+    scratch = np.empty(2 + every.shape[1] + len(more))
+    count, many = cut_lines(boxes, row, axis, every, (more, cut), scratch, (of, left, right))
+    if many > _MOST_CUTS:
         raise TangledError
-    width = right - left
-    D = points.shape[1]
-    total = np.zeros((len(points), columns))
+    stretches = of[:count], left[:count], right[:count]
+    rule = (_TWO if columns == 1 + D else _THREE) if inner else _ONE
+    at, total = np.empty((count * len(rule[0]), D)), np.zeros((n, columns))
+    set_nodes(points, *stretches, axis, np.array(rule[0]), at)
+    monomials, lines = MONOMIALS[D - 1][:columns], (row, boxes[2], axis)
     if inner:
-        rule = _TWO if columns == 1 + D else _THREE
-        nodes, weights = (np.tile(each, len(rows)) for each in rule)
-        many = len(rule[0])
-        rows, left, width = np.repeat(rows, many), np.repeat(left, many), np.repeat(width, many)
-        at = points[rows]
-        at[:, axis] = left + nodes * width
-        parts = _integrate(region, at, low[rows], high[rows], centre[rows], inner, columns)
-        parts *= (weights * width)[:, None]
-        every, arm = MONOMIALS[D - 1][:columns], at[:, axis] - centre[rows, axis]
-        for k, monomial in enumerate(every):
-            if many := monomial.count(axis):
-                others = tuple(d for d in monomial if d != axis)
-                parts[:, k] += parts[:, every.index(others)] * (arm if many == 1 else arm * arm)
-        _add(total, rows, parts)
+        nodes = np.repeat(row[stretches[0]], len(rule[0]))
+        parts = _integrate(region, at, nodes, boxes, inner, columns)
+        powers = np.array([each.count(axis) for each in monomials])
+        others = [monomials.index(tuple(d for d in each if d != axis)) for each in monomials]
+        weights, columns_of = np.array(rule[1]), (powers, np.array(others))
+        add_nodes(stretches, weights, at, lines, columns_of, parts, total)
     else:
-        at = points[rows]
-        at[:, axis] = left + 0.5 * width
-        inside = region.contains(at)
-        rows, width, at = rows[inside], width[inside], at[inside]
-        parts = np.zeros((len(rows), total.shape[1]))
-        parts[:, 0] = width
-        arm = at[:, axis] - centre[rows, axis]
-        parts[:, 1 + axis] = width * arm
-        if (axis, axis) in (every := MONOMIALS[D - 1][:columns]):
-            parts[:, every.index((axis, axis))] = width * (arm * arm + width * width / 12.0)
-        _add(total, rows, parts)
+        second = monomials.index((axis, axis)) if (axis, axis) in monomials else -1
+        add_stretches(stretches, region.contains(at), at, lines, (1 + axis, second), total)
     return total

@@ -49,7 +49,9 @@ class Interaction:
         self.pairs: Pairs | None = None
         if case.contact or self.rigid_bodies or settings.mixed:
             self.pairs = Pairs.of(case.contact, [*case.bodies, *self.rigid_bodies.names])
-        if self.pairs and meet_by_surfaces(case.bodies, case.geometry, case.boundaries):
+        if self.pairs and meet_by_surfaces(
+            case.bodies, case.method, case.geometry, case.boundaries
+        ):
             self.rigid_bodies.meeting = self._rigid_pairs(case)
         of_body = np.array(materials.body_material, np.int64)
         flows = SceneFlows(case, materials.entries, of_body, current, domain.faces, self.pairs)

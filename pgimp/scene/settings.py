@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from pgimp.case.checks.exact_surfaces import exact_surfaces
 from pgimp.case.escape import exits_of
 from pgimp.case.schema import Case
 from pgimp.physics.shapes.parts import PartParameters
@@ -57,7 +58,7 @@ class Settings:
         self.initial = bool(self.lagrangian.all())
         self.mixed = bool(self.lagrangian.any()) and not self.initial
         method = case.method
-        self.exact_surfaces = np.array([b.surface == "exact" for b in case.bodies.values()], bool)
+        self.exact_surfaces = np.array(exact_surfaces(case), bool)
         self.shape = (method.fixed if self.initial else method.parameters)(tuple(case.grid.cell))
         self.uncut = self.shape
         if self.exact_surfaces.any():  # whole particles have the same weights

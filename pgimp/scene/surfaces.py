@@ -6,6 +6,7 @@ from collections.abc import Container, Mapping
 
 import numpy as np
 
+from pgimp.case.checks.exact_surfaces import exact_surfaces
 from pgimp.case.locations import located
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
@@ -38,10 +39,11 @@ class SurfaceLoads:
         self.follows = follows
         self.case, self.width = case, surface_width(case.dimensions)
         #: Names of the loads on faces that particles carry as patches.
+        exact = dict(zip(case.bodies, exact_surfaces(case), strict=True))
         self.patched = [
             name
             for name, entry in case.tractions.items()
-            if entry.face is not None and case.bodies[entry.body].surface != "exact"
+            if entry.face is not None and not exact[entry.body]
         ]
         self.entries = {
             name: entry for name, entry in case.tractions.items() if name not in self.patched

@@ -108,6 +108,9 @@ def begin(
     rate = max(stable, scene.interaction.rigid_bodies.first_rate)
     with located(start.case):
         require_end(scene, rate)
+        if start.watch and start.rank.slaves:
+            start.watch.part = start.rank.slaves.part
+            start.watch.shorten(start.clock)
         dt = start.clock.next(start.done, rate).dt
         start.warnings += check_first_step(scene, dt, stable)
         if start.rank.slaves:

@@ -289,5 +289,7 @@ def _watch(now: Start, speed: float) -> None:
     now.watch = EnergyWatch(speed)
     if before:
         now.watch.numbers = before.numbers
+    if now.rank.slaves:
+        now.watch.part = min(now.watch.part, now.rank.slaves.part)
     now.watch.begin(now.rank)
     now.watch.shorten(now.clock)

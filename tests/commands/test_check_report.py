@@ -6,7 +6,7 @@ from itertools import product
 import pytest
 from checked import MM, PLATE, SI, block, facts, plate
 from mentioned import mentions
-from scenes import scene
+from scenes import box, scene
 
 from pgimp.case.load import load
 from pgimp.case.reader import read_case
@@ -46,13 +46,29 @@ def test_the_report_says_what_chosen_steps_save(speed, fewer, capsys, unmeasured
 
 
 def test_the_report_says_which_vertices_move_by_themselves(capsys, unmeasured):
-    """Of a plate a quarter of a cell thick, exact to its surface; long steps are refused."""
+    """Of a plate a quarter of a cell thick; long steps are refused."""
     region = {"box": {"min": [1.3, 2.97], "max": [6.4, 3.25]}}
-    body = {"material": "soft", "region": region, "configuration": "initial", "surface": "exact"}
+    body = {"material": "soft", "region": region, "configuration": "initial"}
     check.report(Case.model_validate(scene(2, body, step=0.005, end=0.2)))
-    assert "cell near them to move with: 15 (surface: exact)" in capsys.readouterr().out
+    assert "cell near them to move with: 15;" in capsys.readouterr().out
     with pytest.raises(CaseError, match="stable up to the Courant number"):
-        check.report(Case.model_validate(scene(2, body, step={"courant": 0.5}, end=0.2)))
+        check.report(Case.model_validate(scene(2, body, step={"courant": 0.7}, end=2.0)))
+
+
+def test_the_report_says_where_cut_cells_are_those_of_boxes(capsys, unmeasured):
+    """In shapes wider than cells, and beside bodies in the current configuration."""
+    body = box([1.3, 2.0], [4.0, 4.0]) | {"configuration": "initial"}
+    both = {"a": body, "b": box([5.0, 2.0], [7.0, 4.0])}
+    for case, why in (
+        (scene(2, body, shape="bspline-quadratic"), "bspline-quadratic is wider than cells"),
+        (scene(2, both), "'b' is in the current one"),
+        (scene(2, body), ""),
+        (scene(2, body | {"region": both["b"]["region"]}, shape="bspline-quadratic"), ""),
+    ):
+        check.report(Case.model_validate(case))
+        said = capsys.readouterr().out
+        assert ("have weights of whole ones" in said) == bool(why)
+        assert why in said
 
 
 def test_the_report_has_the_warnings(capsys, unmeasured):

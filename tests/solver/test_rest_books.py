@@ -118,15 +118,18 @@ def test_heat_of_a_wall_is_force_times_way(configuration, shape):
     heat = gained["wall.y-min.friction-heat"]
     press = end["reaction.y-min-y"]
     # The bottom, which slides, swings about the mean way of the block. In the initial configuration
-    # the swing lasts: the block slides farther while less presses it.
+    # the swing lasts: the block slides farther while less presses it, and patches of its surface
+    # that come to the wall again lose in impacts what is among no heat.
     lasts = configuration == "initial"
     assert heat == pytest.approx(0.3 * press * way, rel=0.15 if lasts else 0.03)
     work = 8.0 * (gravity[0] * way + gravity[1] * gained["body.body.centre-y"])
     assert gained["external-work"] == pytest.approx(work, rel=1e-9)
     kept = gained["kinetic-energy"] + gained["strain-energy"]
     lost = heat + gained["wall.y-min.impact-loss"]
-    assert kept + lost == pytest.approx(work, rel=0.03)
-    assert gained["dissipated-energy"] == pytest.approx(lost, rel=0.06)
+    assert kept + lost == pytest.approx(work, rel=0.05 if lasts else 0.03)
+    assert gained["dissipated-energy"] == pytest.approx(lost, rel=0.08 if lasts else 0.06)
+    slid = 0.3 * 8.0 * -gravity[1] * way  # by its weight
+    assert gained["dissipated-energy"] == pytest.approx(slid, rel=0.03)
 
 
 def test_walls_that_only_hold_a_component_take_nothing():

@@ -98,7 +98,7 @@ def test_what_a_file_says_of_the_time_before_is_not_of_this_run(tmp_path):
 
 @pytest.mark.parametrize("material", ["neo-hookean", "von-mises"])
 def test_a_skin_that_its_body_leaves_does_not_jump(material):
-    """Mean dilatation: particles that are alone from here on keep their volumes and energy."""
+    """Mean dilatation: particles of which others leave keep their volumes and energy."""
     model = {"model": material, "young": 1000.0, "poisson": 0.49, "density": 1.0}
     if material == "von-mises":
         model |= {"yield-stress": 20.0}
@@ -106,7 +106,7 @@ def test_a_skin_that_its_body_leaves_does_not_jump(material):
     clamp = {"body": "thick", "region": {"box": {"min": [2.0, 1.0], "max": [3.0, 3.0]}}}
     case = scene(
         2, {name: body | {"configuration": "initial"} for name, body in bodies.items()},
-        cells=[8, 6], end=0.6, step={"courant": 0.3}, gravity=[0.0, -40.0],
+        cells=[8, 6], end=0.6, step={"courant": 0.05}, gravity=[0.0, -40.0],
         constraints={"clamp": clamp | {"velocity": [0.0, 0.0]}}, materials={"soft": model},
     )  # fmt: skip
     case["method"]["volumetric"] = "mean"
@@ -118,11 +118,9 @@ def test_a_skin_that_its_body_leaves_does_not_jump(material):
         sim.advance()
     sim.next_stage()
     line, volumes, ratio = sim.diagnostics(), field(sim, "V"), field(sim, "fbar_ratio")
-    assert not field(sim, "isolation").any()
-    assert abs(ratio - 1.0).max() > 0.1
+    assert abs(ratio - 1.0).max() > 0.05
     sim.advance()
     then = sim.diagnostics()
-    assert field(sim, "isolation").all()
     # A step changes 1e-3 of them; a jump to ratios of 1 tenths, paid for by what was dissipated.
     np.testing.assert_allclose(field(sim, "V"), volumes, rtol=0.01)
     for name in ("strain-energy", "dissipated-energy"):

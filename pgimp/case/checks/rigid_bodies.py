@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from pgimp.case.body import Body
+from pgimp.case.body import Body, may_be_exact
 from pgimp.case.checks.periodic import periodic_axes
 from pgimp.case.grid import Grid
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.contact.pairs import ContactEntry
 from pgimp.physics.loads.motion import RigidMotion
 from pgimp.physics.rigid import FREEDOMS, Free, RigidBody
+from pgimp.physics.shapes.base import Shape
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems
@@ -65,10 +66,10 @@ def _free(path: tuple[str | int, ...], dimensions: int, body: RigidBody, free: F
 
 
 def meet_by_surfaces(
-    bodies: Mapping[str, Body], geometry: str, boundaries: Mapping[str, Boundary]
+    bodies: Mapping[str, Body], method: Shape, geometry: str, boundaries: Mapping[str, Boundary]
 ) -> bool:
     """Whether bodies meet at their own surfaces, and not at the vertices of a grid."""
-    exact = all(b.configuration == "initial" and b.surface == "exact" for b in bodies.values())
+    exact = all(may_be_exact(bodies, method))
     return exact and geometry != "axisymmetric" and not periodic_axes(boundaries)
 
 
@@ -77,15 +78,16 @@ def check_contact(
     rigid_bodies: Mapping[str, RigidBody],
     contact: Sequence[ContactEntry],
     bodies: Mapping[str, Body],
+    method: Shape,
     geometry: str,
     boundaries: Mapping[str, Boundary],
 ) -> Problems:
     """Check that the entries of contact name bodies, and no pair twice."""
     body_names, soft = [*body_names, *rigid_bodies], set(body_names)
-    by_surfaces = meet_by_surfaces(bodies, geometry, boundaries)
+    by_surfaces = meet_by_surfaces(bodies, method, geometry, boundaries)
     needs = (
-        "is for scenes in which all bodies have `configuration: initial` and `surface: exact`, "
-        "without an axis or periodic faces"
+        "is for scenes in which all bodies have `configuration: initial` and `surface: cut`, in a "
+        "shape no wider than cells, without an axis, periodic faces or particles from files"
     )
     earlier: dict[frozenset[str], int] = {}
     for i, entry in enumerate(contact):

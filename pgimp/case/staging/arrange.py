@@ -7,6 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from pgimp.case.checks.exact_surfaces import meets
 from pgimp.case.checks.stages import check_by_itself, check_changes, reselects
 from pgimp.case.escape import exits_of
 from pgimp.case.stages import Stage, Staged, merged
@@ -72,6 +73,7 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
             rebonds,
             before.staged.damped or before.damping is not None or before.rests,
             before.staged.settled or before.rests,
+            False,
             before.staged.added + stage.add,
             {name: i for name, i in before.staged.awaited.items() if i > number + 1},
             before.staged.stress,
@@ -79,6 +81,9 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
             _profile_offsets(before, now),
         )
         found.append(now)
+    meeting = any(map(meets, found))
+    for one in found:
+        one.__dict__["staged_as"] = one.staged._replace(meets=meeting)
     return tuple(found), []
 
 

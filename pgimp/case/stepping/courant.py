@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from pgimp.case.checks.exact_surfaces import exact_surfaces
 from pgimp.physics.shapes.averaging import averaged_part
 
 #: With bodies in the initial configuration only, whose vertices keep velocities: by shape,
@@ -67,7 +68,7 @@ def vertex_limit(case: Any) -> float | None:
     method = case.method
     if any(body.configuration != "initial" for body in case.bodies.values()):
         return None
-    exact = [body.surface == "exact" for body in case.bodies.values()]
+    exact = exact_surfaces(case)
     if method.volumetric == "mean" and case.dimensions > 1 and not any(exact):
         return None
     if exact and all(exact):

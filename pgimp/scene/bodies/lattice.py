@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pgimp.case.checks.exact_surfaces import exact_surfaces
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.geometry.measure import TangledError
@@ -108,10 +109,10 @@ class Lattice:
                 self.edges,
                 self.coordinates,
                 body.surface != "whole",
-                body.surface == "exact",
+                exact,
                 case.axisymmetric,
             )
-            for body in case.bodies.values()
+            for body, exact in zip(case.bodies.values(), exact_surfaces(case), strict=True)
         ]
         # The last counts by body and plane, and their sums: bodies may be made one by one.
         self._counts: NDArray[np.int64] = np.zeros((0, 0), np.int64)
@@ -213,12 +214,13 @@ class Lattice:
                     both = [first.volume_fractions(part)]
                 with self._named(b):
                     both.append(second.volume_fractions(part))
-                position = self._overlap(both, (first, second))
-                if position is not None:
+                found = self._overlap(both, (first, second))
+                if found is not None:
+                    position, filled = found
                     message = (
                         f"bodies.{names[1]}.region: '{names[0]}' and '{names[1]}' overlap in the "
-                        f"box of the particle at ({position}), of which they fill more than there "
-                        "is: move or cut one of them (region: {difference: [...]})"
+                        f"box of the particle at ({position}), of which they fill {filled:.0%}: "
+                        "move or cut one of them (region: {difference: [...]})"
                     )
                     errors.append(((a, b), message))
                     return errors, shared
@@ -229,8 +231,8 @@ class Lattice:
     @staticmethod
     def _overlap(
         both: list[VolumeFractions], bodies: tuple[LatticeBody, LatticeBody]
-    ) -> str | None:
-        """Describe the first point at which two bodies overlap.
+    ) -> tuple[str, float] | None:
+        """Describe the first point at which two bodies overlap, and the part of its box they fill.
 
         Bodies may share a cut box if their parts fit into it. An excess beyond the uncertainty
         from their surfaces' curvature is an overlap.
@@ -240,11 +242,12 @@ class Lattice:
         if len(indices) == 0:
             return None
         points = bodies[0].points(first.ranges, indices)
-        over = first.fraction(indices) + second.fraction(indices) > 1.0 + LEAST_FRACTION
+        filled = first.fraction(indices) + second.fraction(indices)
+        over = filled > 1.0 + LEAST_FRACTION
         over |= bodies[0].region.contains(points) & bodies[1].region.contains(points)
         if not over.any():
             return None
-        return ", ".join(f"{x:g}" for x in points[over.argmax()])
+        return ", ".join(f"{x:g}" for x in points[over.argmax()]), float(filled[over.argmax()])
 
     def _cells(self, volumes: VolumeFractions) -> set[int]:
         """Numbers of the cells in which more than a small part of a body lies."""

@@ -20,7 +20,10 @@ from pgimp.scene.bodies.elements import Elements
 from pgimp.scene.bodies.lattice import Lattice, ParticleBlock
 from pgimp.scene.bodies.lattice_body import LatticeBody
 from pgimp.scene.bodies.saved_state import restore_state
-from pgimp.scene.bodies.surface_elements import AWAY, Closed, face_elements, find_elements, parts_of
+from pgimp.scene.bodies.surface_elements import find_elements
+from pgimp.scene.bodies.surfaces.boxes import Closed
+from pgimp.scene.bodies.surfaces.parts import AWAY, parts_of
+from pgimp.scene.bodies.surfaces.whole import face_elements
 from pgimp.scene.scene import Scene
 
 

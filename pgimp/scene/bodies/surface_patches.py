@@ -7,24 +7,23 @@ direction. Small ones join a neighbour.
 
 from __future__ import annotations
 
-from itertools import product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from pgimp.scene.bodies.elements import Elements, Indices, Reals
+from pgimp.scene.bodies.elements import Indices, Reals
 from pgimp.scene.bodies.lattice_body import LatticeBody
-from pgimp.scene.bodies.surface_elements import Closed, find_elements
+from pgimp.scene.bodies.surface_elements import find_elements
+from pgimp.scene.bodies.surfaces.beside import beside
+from pgimp.scene.bodies.surfaces.boxes import Closed
+from pgimp.scene.bodies.surfaces.edges import FLAT, parted
 
 #: Least area of a facet, and of a patch that does not join another, over that of a cell's side.
 LEAST_FACET, LEAST_PATCH = 1e-6, 0.5
 
-#: Least cosines between normals of patches that join, and of facets and the greatest of a patch.
-_ALIKE, _FLAT = 0.7, 0.8
-
-#: Moments across the normal, over area times size, above which an element has several faces; and
-#: least area of one of these.
-_BENT = 0.02
+#: Least cosine between normals of patches that join.
+_ALIKE = 0.7
 
 
 class Facets(NamedTuple):
@@ -66,7 +65,7 @@ def facets_of(body: LatticeBody, origin: Reals, cell: Reals, closed: Closed = ()
         See `find_elements`.
     """
     low, high = body.box[0]
-    found = _parted(find_elements(body, None, (low - 1, high + 1), closed), np.array(body.size))
+    found = parted(find_elements(body, None, (low - 1, high + 1), closed))
     size = np.sqrt((found.area * found.area).sum(axis=1))
     side = float(np.prod(cell)) ** (1.0 - 1.0 / len(cell))
     some = size > LEAST_FACET * side
@@ -75,8 +74,8 @@ def facets_of(body: LatticeBody, origin: Reals, cell: Reals, closed: Closed = ()
     x = found.centroid
     # A surface between two boxes has an element in each.
     places = np.rint(1e6 * np.column_stack([x / body.size, normal])) + 0.0
-    _, first, same = np.unique(places, axis=0, return_index=True, return_inverse=True)
-    size = np.asarray(np.bincount(same.reshape(-1), size), float)
+    first, same = _distinct(places)
+    size = np.asarray(np.bincount(same, size), float)
     found, x, normal = found.chosen(first), x[first], normal[first]
     patch = _patches(x, normal, size, origin, cell, side)
     order = np.argsort(patch, kind="stable")
@@ -90,52 +89,14 @@ def facets_of(body: LatticeBody, origin: Reals, cell: Reals, closed: Closed = ()
     )
 
 
-def _parted(elements: Elements, size: Reals) -> Elements:
-    """Elements with those at edges parted into their faces, whose normals are those beside them.
-
-    With area vectors A_i n_i and first moments A_i c_i n_i^T of the faces, which add up to the
-    element's, A_i and A_i c_i are the products of both with the vectors dual to n_i.
-    """
-    area = np.sqrt((elements.area * elements.area).sum(axis=1))
-    normal = elements.area / np.maximum(area, 1e-300)[:, None]
-    # Moments of a flat element are along its normal.
-    along = np.einsum("njd,nd->nj", elements.moment, normal)
-    askew = elements.moment - along[:, :, None] * normal[:, None]
-    reach = 2.0 * elements.half.max(axis=1)
-    D = len(size)
-    length = np.minimum(reach, area ** (1.0 / (D - 1)) if D > 1 else reach)
-    bent = np.sqrt((askew * askew).sum(axis=(1, 2))) > _BENT * area * length
-    large = area > _BENT * reach ** (D - 1)
-    plain, middle = np.flatnonzero(~bent & large), elements.centroid
-    rows, areas, moments = [], [], []
-    keep = np.ones(len(area), bool)
-    for one in np.flatnonzero(bent & (area > 0.0)).tolist():
-        away = np.abs(elements.centre[plain] - elements.centre[one]).max(axis=1)
-        near = plain[away < 1.6 * reach[one]]
-        square = ((middle[near] - middle[one]) ** 2).sum(axis=1) / reach[one] ** 2
-        normals: list[Reals] = []
-        for other in near[np.argsort(np.round(square, 6), kind="stable")]:
-            if len(normals) < D and all(normal[other] @ n < _FLAT for n in normals):
-                normals.append(normal[other])
-        if len(normals) < 2:
-            continue
-        dual = np.linalg.pinv(np.array(normals))
-        each = elements.area[one] @ dual
-        whole = each > _BENT * area[one]
-        rest = elements.area[one] - each[whole] @ np.array(normals)[whole]
-        if (each < -_BENT * area[one]).any() or np.sqrt(rest @ rest) > _BENT * area[one]:
-            continue
-        keep[one] = False
-        for i in np.flatnonzero(whole):
-            rows.append(one)
-            areas.append(each[i] * normals[i])
-            moments.append(np.outer(elements.moment[one] @ dual[:, i], normals[i]))
-    if not rows:
-        return elements
-    parts = elements.chosen(np.array(rows))
-    parts = parts._replace(area=np.array(areas), moment=np.array(moments))
-    both = zip(elements.chosen(keep), parts, strict=True)
-    return Elements(*(np.concatenate(each) for each in both))  # type: ignore[arg-type]
+def _distinct(values: NDArray[Any]) -> tuple[Indices, Indices]:
+    """First of each of the different rows, in ascending order, and which of these each row is."""
+    order = np.lexsort(values.T[::-1])
+    new = np.ones(len(order), bool)
+    new[1:] = (values[order[1:]] != values[order[:-1]]).any(axis=1)
+    same = np.empty(len(order), np.int64)
+    same[order] = np.cumsum(new) - 1
+    return order[new], same
 
 
 def _three(values: Reals) -> Reals:
@@ -153,8 +114,8 @@ def _patches(
     axis = np.argmax(np.round(np.abs(normal), 6), axis=1)
     sign = normal[np.arange(len(x)), axis] > 0.0
     keys = np.column_stack([inside, 2 * axis + sign])
-    places, patch = np.unique(keys, axis=0, return_inverse=True)
-    places, patch = _flat(places[:, :-1], patch.reshape(-1), normal, area)
+    first, patch = _distinct(keys)
+    places, patch = _flat(inside[first], patch, normal, area)
     total = np.asarray(np.bincount(patch, area), float)
     centre, mean = (
         np.asarray(np.stack([np.bincount(patch, area * e) for e in v.T], axis=1), float)
@@ -171,13 +132,15 @@ def _flat(places: Indices, patch: Indices, normal: Reals, area: Reals) -> tuple[
     """
     mean = np.stack([np.bincount(patch, area * n) for n in normal.T], axis=1).astype(float)
     mean = mean / np.maximum(np.sqrt((mean * mean).sum(axis=1)), 1e-300)[:, None]
-    bent = np.unique(patch[(mean[patch] * normal).sum(axis=1) < _FLAT])
-    more, patch = [places], patch.copy()
-    for one in bent.tolist():
-        rest = np.flatnonzero(patch == one)
+    bent = np.unique(patch[(mean[patch] * normal).sum(axis=1) < FLAT])
+    more, order, own = [places], np.argsort(patch, kind="stable"), patch
+    begin, end = (np.searchsorted(own[order], bent, side) for side in ("left", "right"))
+    patch = patch.copy()
+    for one, a, b in zip(bent.tolist(), begin.tolist(), end.tolist(), strict=True):
+        rest = order[a:b]
         rest = rest[np.argsort(-np.round(area[rest] / area[rest].max(), 6), kind="stable")]
         while len(rest):
-            alike = normal[rest] @ normal[rest[0]] >= _FLAT
+            alike = normal[rest] @ normal[rest[0]] >= FLAT
             if not alike.all():
                 patch[rest[alike]] = sum(map(len, more))
                 more.append(places[one : one + 1])
@@ -191,10 +154,6 @@ def _joins(places: Indices, total: Reals, centre: Reals, mean: Reals, side: floa
     small = np.flatnonzero(total < LEAST_PATCH * side)
     if not len(small):
         return into
-    by_place: dict[tuple[int, ...], list[int]] = {}
-    for number, place in enumerate(places.tolist()):
-        by_place.setdefault(tuple(place), []).append(number)
-    steps = [*product((-1, 0, 1), repeat=places.shape[1])]
     unit = mean / np.sqrt((mean * mean).sum(axis=1))[:, None]
     area = total.copy()
 
@@ -203,22 +162,20 @@ def _joins(places: Indices, total: Reals, centre: Reals, mean: Reals, side: floa
             one = int(into[one])
         return one
 
-    for one in small[np.argsort(total[small], kind="stable")].tolist():
-        own = root(one)
+    # Patches beside the small ones, the nearest first.
+    row, near = beside(places[small].astype(float), np.full(len(small), 1.5), places.astype(float))
+    alike = (unit[near] * unit[small[row]]).sum(axis=1) > _ALIKE
+    row, near = row[alike], near[alike]
+    away = np.round(((centre[near] - centre[small[row]]) ** 2).sum(axis=1) / side**2, 9)
+    order = np.lexsort((*places[near].T[::-1], away, row))
+    near, start = near[order], np.searchsorted(row, np.arange(len(small) + 1))
+    for k in np.argsort(total[small], kind="stable").tolist():
+        own = root(int(small[k]))
         if area[own] >= LEAST_PATCH * side:
             continue
-        near = [
-            other
-            for step in steps
-            for other in by_place.get(
-                tuple(a + b for a, b in zip(places[one], step, strict=True)), ()
-            )
-        ]
-        near = [n for n in near if root(n) != own and float(unit[n] @ unit[one]) > _ALIKE]
-        if not near:
-            continue
-        away = [round(float(((centre[n] - centre[one]) ** 2).sum()) / side**2, 9) for n in near]
-        best = root(near[int(np.argmin(away))])
-        into[own] = best
-        area[best] += area[own]
+        others = (root(n) for n in near[start[k] : start[k + 1]].tolist())
+        best = next((other for other in others if other != own), None)
+        if best is not None:
+            into[own] = best
+            area[best] += area[own]
     return np.array([root(n) for n in range(len(into))])

@@ -239,7 +239,7 @@ def require_clear(
         text = (
             f"reaches {depth:.3g} cells into {what}: rigid bodies that move freely feel bodies of "
             "a material, and rigid ones with which they have an entry of `contact` if all bodies "
-            "have `configuration: initial` and `surface: exact`"
+            "have `configuration: initial` and `surface: cut`"
         )
         if number == 0:
             with located(rigid_bodies.case):

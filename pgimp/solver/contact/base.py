@@ -117,6 +117,10 @@ class NoContact:
             The force on the lower-numbered body of each pair.
         """
 
+    def overrun(self, rank: RankState, done: Step) -> list[str]:
+        """Warnings of contact that was overrun, on rank 0; collective."""
+        return []
+
     def moved(self) -> None:
         """Note that the rank's particles have changed."""
 

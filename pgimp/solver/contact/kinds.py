@@ -9,7 +9,7 @@ def contact_kind(scene: Scene) -> type[NoContact]:
     """Return the class of a scene's contact."""
     meets = scene.interaction.pairs or scene.domain.unilateral_walls
     case = scene.case
-    if meets and meet_by_surfaces(case.bodies, case.geometry, case.boundaries):
+    if meets and meet_by_surfaces(case.bodies, case.method, case.geometry, case.boundaries):
         from pgimp.solver.contact.surfaces.contact import SurfaceContact
 
         return SurfaceContact

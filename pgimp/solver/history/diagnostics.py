@@ -141,7 +141,7 @@ class Diagnostics:
         energy plus external work plus additions between stages, less kinetic and strain energy,
         also of removed particles.
         """
-        torn = self.tearing.look(rank, done)
+        torn = self.tearing.look(rank, done) + rank.contact.overrun(rank, done)
         line = self._line(rank, done, bool(rank.scene.case.gauges))
         self.said += torn if line is not None else []
         return line

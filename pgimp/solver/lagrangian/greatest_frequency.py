@@ -1,4 +1,4 @@
-"""Greatest frequency of vertices near surfaces, where bodies are exact to them."""
+"""Frequencies of vertices near surfaces, where bodies are exact to them, and masses by these."""
 
 from __future__ import annotations
 
@@ -13,15 +13,19 @@ from pgimp.solver.rank_state import RankState
 #: Iterations for the greatest frequency.
 _ITERATIONS = 40
 
+#: Courant number that vertices without masters are to bear.
+BORNE = 0.5
+
 
 def stable_courant(
-    rank: RankState,
     few: np.ndarray,
     known: np.ndarray,
     mass: np.ndarray,
+    cells: tuple[np.ndarray, np.ndarray],
     folding: tuple[np.ndarray, np.ndarray],
+    side: float,
 ) -> float:
-    """Courant number up to which vertices near slaves are stable; collective.
+    """Courant number up to which vertices near slaves are stable.
 
     From the greatest frequency of a scalar wave by power iteration. What lies farther away is at
     rest. Rings are strained by their hoops as well.
@@ -34,13 +38,14 @@ def stable_courant(
         All vertices around these, ascending.
     mass : (k,) float64
         Their masses, with those of slaves, which have none.
+    cells : (c, 2^D) int64, (c, 2^D, 2^D) float64
+        Those round them, see `near_cells`.
     folding : (n, 2^D) int64, (n, 2^D) float64
         Numbers among `known`, and weights, of each slave's masters.
+    side : float
+        Least side of a cell.
     """
-    if not len(few):
-        return np.inf
-    of, weights = folding
-    at, stiffness = _near_cells(rank, few, known, np.unique(of))
+    (of, weights), (at, stiffness) = folding, cells
     slaves = np.searchsorted(known, few[: len(of)])
     inverse = np.where(mass > 0.0, 1.0 / np.where(mass > 0.0, mass, 1.0), 0.0)
     inverse[slaves] = 0.0
@@ -53,10 +58,54 @@ def stable_courant(
         f += np.bincount(of.reshape(-1), (weights * f[slaves, None]).reshape(-1), len(known))
         u = inverse * f
         square = np.sqrt((mass * u * u).sum())
-    return float(2.0 / (np.sqrt(square) * min(rank.grid.frame.cell)))
+    return float(2.0 / (np.sqrt(square) * side))
 
 
-def _near_cells(
+def missing_masses(
+    free: np.ndarray,
+    slaves: np.ndarray,
+    mass: np.ndarray,
+    cells: tuple[np.ndarray, np.ndarray],
+    side: float,
+) -> list[tuple[int, int, float]]:
+    """Masses that free vertices lack for steps of Courant number `BORNE`, of their cells' others.
+
+    By Gershgorin's bound of the frequency of each; as far as others have more than they need.
+
+    Parameters
+    ----------
+    free, slaves : (f,) int64, (n,) int64
+        Numbers of vertices among all, ascending.
+    mass : (k,) float64
+        Masses of all; those of slaves are not used.
+    cells : (c, 2^D) int64, (c, 2^D, 2^D) float64
+        See `near_cells`.
+    side : float
+        Least side of a cell.
+
+    Returns
+    -------
+    list of (int, int, float)
+        Numbers of the vertex that takes and of the one that gives, and the mass.
+    """
+    (at, stiffness), found = cells, []
+    sums = np.abs(stiffness).sum(axis=2) * (0.5 * BORNE * side) ** 2
+    need = np.bincount(at.reshape(-1), sums.reshape(-1), len(mass) + 1)[:-1]
+    spare = mass - need
+    spare[slaves] = 0.0
+    for vertex in free:
+        others = np.unique(at[(at == vertex).any(axis=1)])
+        others = others[others < len(mass)]
+        for other in others[np.argsort(-spare[others], kind="stable")]:
+            given = min(-spare[vertex], spare[other])
+            if given > 0.0:
+                found.append((int(vertex), int(other), float(given)))
+                spare[vertex] += given
+                spare[other] -= given
+    return found
+
+
+def near_cells(
     rank: RankState, few: np.ndarray, known: np.ndarray, masters: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Cells of all ranks round some vertices; collective.
@@ -106,4 +155,5 @@ def _near_cells(
     at, stiffness = (np.concatenate(each) for each in zip(*found, strict=True))
     parts = rank.comm.allgather((at, stiffness))
     at, stiffness = (np.concatenate(each) for each in zip(*parts, strict=True))
-    return at, stiffness
+    ascending = np.lexsort(at.T)  # not in the order of ranks
+    return at[ascending], stiffness[ascending]

@@ -50,9 +50,13 @@ class MeanDilatation(StepPart):
         are those of their first vertices, see `Vertices.key`.
     """
 
-    def __init__(self, scene: Scene, comm: Communicator) -> None:
+    def __init__(
+        self, scene: Scene, comm: Communicator, before: MeanDilatation | None = None
+    ) -> None:
         self.scene, self.comm = scene, comm
         self.cells = self.roots = np.zeros(0, np.int64)
+        #: Those of the stage before, until the stage has its own.
+        self._before = (before.cells, before.roots) if before else None
         self._lattice: LatticeCells | None = None
         self._field: Field | None = None
         self._shared: _Shared
@@ -62,7 +66,27 @@ class MeanDilatation(StepPart):
         self._apart = np.empty(0)  # where positions go that nobody needs
 
     def find(self, rank: RankState) -> None:
-        """Find the cells with slaves, and their roots: with most of their slaves as masters."""
+        """Find the cells with slaves, and their roots: with most of their slaves as masters.
+
+        Particles that are with others than in the stage before keep their dilatation over that of
+        their displacements: from here on they are alone, see `Particles.isolation`.
+        """
+        self._find_roots(rank)
+        if self._before is None:
+            return
+        cells, were = _labels(self._before, self.cells)
+        _, are = _labels((self.cells, self.roots), self._before[0])
+        self._before, changed = None, np.unique(np.stack([were, are])[:, were != are])
+        p, rows = rank.population.columns, rank.population.ordered.rows
+        under = Vertices.cells_under(rank, rows)
+        at = np.minimum(np.searchsorted(cells, under), max(len(cells) - 1, 0))
+        known = cells[at] == under if len(cells) else np.zeros(len(rows), bool)
+        for labels in (were, are):
+            label = np.where(known, labels[at], under) if len(cells) else under
+            p.isolation[rows[np.isin(label, changed)], 0] = 1.0
+
+    def _find_roots(self, rank: RankState) -> None:
+        """Set the cells with slaves, and their roots."""
         slaves = rank.slaves
         self._field = self._lattice = None
         self.cells = self.roots = np.zeros(0, np.int64)
@@ -186,4 +210,14 @@ def mean_dilatation_of(
     averages = scene.interaction.loads.averages and scene.dimension > 1
     if not (averages and scene.settings.exact_surfaces.any()):
         return None
-    return MeanDilatation(scene, comm)
+    return MeanDilatation(scene, comm, before)
+
+
+def _labels(
+    table: tuple[np.ndarray, np.ndarray], others: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Cells of a table and others, ascending, with the roots of all; of others themselves."""
+    cells = np.union1d(table[0], others)
+    roots = cells.copy()
+    roots[np.searchsorted(cells, table[0])] = table[1]
+    return cells, roots

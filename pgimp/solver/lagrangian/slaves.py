@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from pgimp.case.stepping.courant import largest_courant
 from pgimp.errors import CaseError
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_MASS, KEPT_VELOCITY
@@ -29,10 +30,10 @@ from pgimp.kernels.lagrangian.slaves import (
     spread_vectors,
     take_vectors,
 )
-from pgimp.kernels.sums.sums import ANGULAR, KINETIC
+from pgimp.kernels.sums.sums import ANGULAR, KINETIC, MOMENTUM
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
-from pgimp.solver.lagrangian.greatest_frequency import stable_courant
+from pgimp.solver.lagrangian.greatest_frequency import missing_masses, near_cells, stable_courant
 from pgimp.solver.lagrangian.masters import REACH, Vertices, choose_masters
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.vertices import StepPart, VertexUpdate
@@ -143,23 +144,53 @@ class Slaves(StepPart):
             chosen &= ~spoilt
         self.free = keys[~chosen]
         self.keys, self.weights = keys[chosen], weights[chosen]
-        numbers, self.of = np.unique(masters[chosen], return_inverse=True)
-        self.of = self.of.reshape(self.weights.shape)
-        self.masters, self._mass = known[numbers], folded[numbers]
         self.own = own[:, row[chosen]]
-        self._find_changes()
         folded[row[chosen]] = 0.0
-        folded[vertices.at_rest(known)] = 0.0
-        light = np.concatenate([self.keys, self.free])
-        of = np.searchsorted(known, self.masters)[self.of]
-        self.courant = stable_courant(rank, light, known, folded, (of, self.weights))
+        moved: list[tuple[int, int, float]] = []
+        self.courant = np.inf
+        if len(keys):
+            self.courant, moved = self._steady(rank, vertices, known, folded, masters[chosen])
+        even = np.array([pair[:2] for pair in moved], np.int64).reshape(-1)
+        numbers = np.unique(np.concatenate([masters[chosen].reshape(-1), even]))
+        self.of = np.searchsorted(numbers, masters[chosen])
+        self.masters, self._mass = known[numbers], folded[numbers]
+        bodies = own.argmax(axis=0)
+        self._find_changes([(known[[to, by]], bodies[to], mass) for to, by, mass in moved])
         if rank.averaged_mass:
             self.courant /= (1.0 + rank.averaged_mass.alpha.max()) ** 0.5
         self._field = None
 
-    def _find_changes(self) -> None:
-        """Set the changes of mass by folding."""
-        found = []
+    def _steady(
+        self, rank: RankState, vertices: Vertices, known: np.ndarray, folded: np.ndarray,
+        masters: np.ndarray,
+    ) -> tuple[float, list[tuple[int, int, float]]]:  # fmt: skip
+        """Give free vertices of the masses of others; collective.
+
+        Returns
+        -------
+        float
+            Courant number up to which all are stable.
+        list of (int, int, float)
+            What is given, see `missing_masses`.
+        """
+        light = np.concatenate([self.keys, self.free])
+        cells = near_cells(rank, light, known, np.unique(masters))
+        side = min(rank.grid.frame.cell)
+        slaves, free = (np.searchsorted(known, each) for each in (self.keys, self.free))
+        moved = missing_masses(free, slaves, folded, cells, side)
+        for to, by, mass in moved:
+            folded[to] += mass
+            folded[by] -= mass
+        moving = np.where(vertices.at_rest(known), 0.0, folded)
+        found = stable_courant(light, known, moving, cells, (masters, self.weights), side)
+        return found, moved
+
+    def _find_changes(self, moved: list[tuple[np.ndarray, int, float]]) -> None:
+        """Set the changes of mass by folding, and those of free vertices.
+
+        These are the keys of the vertex that takes and of the one that gives, a body and a mass.
+        """
+        found = [(keys, np.full(2, body), np.array([mass, -mass])) for keys, body, mass in moved]
         for b, mass in enumerate(self.own):
             change = np.zeros(len(self.masters))
             np.add.at(change, self.of.reshape(-1), (self.weights * mass[:, None]).reshape(-1))
@@ -187,7 +218,7 @@ class Slaves(StepPart):
 
     def add_forces(self, rank: RankState, update: VertexUpdate) -> None:
         """Add the forces on slaves to their masters'; see `StepPart.add_forces`."""
-        if not needed(len(self.keys)):
+        if not needed(len(self.masters)):
             return
         rows, grid = self._located(rank), rank.grid
         to = self.of, self.weights, rows.masters
@@ -264,7 +295,7 @@ class Slaves(StepPart):
         part: np.ndarray | tuple[()],
         sums: np.ndarray,
     ) -> None:
-        """Add what masters have in place of slaves: angular momentum and kinetic energy.
+        """Add what vertices have with the masses of others: momenta and kinetic energy.
 
         Parameters
         ----------
@@ -275,7 +306,7 @@ class Slaves(StepPart):
         sums : (layers, bodies, columns) float64
             See `pgimp.kernels.sums.sums.layer_sums`.
         """
-        if not len(self.keys):
+        if not len(self.masters):
             return
         rows = self._located(rank)
         bodies, mass = self._changes[1][rows.changed], self._changes[2][rows.changed]
@@ -287,6 +318,8 @@ class Slaves(StepPart):
         v = motion[:, KEPT_VELOCITY : KEPT_VELOCITY + 3]
         x = self._places(rank, self._changes[0][rows.changed[counted]])
         x += motion[:, DISPLACEMENT : DISPLACEMENT + 3]
+        for d in range(int(self.scene.case.axisymmetric), 3):
+            np.add.at(sums[..., MOMENTUM + d], (layer, bodies), mass * v[:, d])
         for d in range(0 if self.scene.case.axisymmetric else 3):
             i, j = (d + 1) % 3, (d + 2) % 3
             about = mass * (x[:, i] * v[:, j] - x[:, j] * v[:, i])
@@ -365,6 +398,11 @@ class Slaves(StepPart):
         known = np.arange(len(sent))[None] < counts[:, None]
         values[rows.shared[which]] = found[known]
 
+    @property
+    def part(self) -> float:
+        """Part of the largest Courant number of the case that vertices near surfaces bear."""
+        return min(1.0, self.courant / largest_courant(self.scene.case))
+
     def require_stable(self, courant: float) -> None:
         """Refuse steps that vertices near the surface do not bear.
 
@@ -376,12 +414,12 @@ class Slaves(StepPart):
         if courant > self.courant:
             alone = len(self.free)
             raise CaseError(
-                "bodies: near the surface of bodies with surface: exact vertices are stable up to "
+                "bodies: near the surface of bodies with cut cells vertices are stable up to "
                 f"the Courant number {self.courant:.2g}; the first step has {courant:.2g}. "
                 + f"{alone} of them hold little, and have no cell near them. "
                 * bool(alone)
                 + "Such are where a body is thinner than two cells, or ends in a sharp edge: take "
-                "finer cells (grid.cell), a smaller number (time.step), or surface: cut"
+                "finer cells (grid.cell), a smaller number (time.step), or surface: whole"
             )
 
     def notes(self) -> list[str]:
@@ -390,7 +428,7 @@ class Slaves(StepPart):
             return []
         return [
             f"vertices that hold less than {100 * LEAST:g} % of a cell, and have no cell near them "
-            f"to move with: {len(self.free)} (surface: exact); where bodies are thinner than two "
+            f"to move with: {len(self.free)}; where bodies are thinner than two "
             f"cells. They allow Courant numbers up to {self.courant:.2g}"
         ]
 

@@ -99,6 +99,9 @@ def begin_settling(start: Start) -> None:
         start.clock = settling_clock(start.case, rate)
     if start.watch is None:
         start.watch = EnergyWatch(start.rate * min(start.scene.domain.frame.cell))
+        if start.rank.slaves:
+            start.watch.part = start.rank.slaves.part
+            start.watch.shorten(start.clock)
 
 
 def require_rest(start: Start, part: float) -> None:

@@ -1,7 +1,8 @@
-"""What the surfaces of bodies that are exact to them leave of a scene's vertices."""
+"""What surfaces that cut cells leave of a scene's vertices."""
 
 from __future__ import annotations
 
+from pgimp.case.checks.exact_surfaces import exact_surfaces, fallback
 from pgimp.case.schema import Case
 from pgimp.mpi.comm import Serial
 from pgimp.solver.simulation import Simulation
@@ -13,11 +14,15 @@ _MOST = 2_000_000
 def vertex_notes(case: Case, particles: int) -> list[str]:
     """Notes of vertices that hold little and move by themselves, as a run has them.
 
+    Where cut cells cannot be exact, of that.
+
     Raises
     ------
     CaseError
         If steps are too long for vertices near a surface.
     """
-    if particles > _MOST or all(body.surface != "exact" for body in case.bodies.values()):
+    if note := fallback(case):
+        return [note]
+    if particles > _MOST or not any(exact_surfaces(case)):
         return []
     return Simulation(case, Serial()).rank.slaves.notes()

@@ -43,34 +43,18 @@ def initial(rng, scene):
             case["boundaries"][face] = "slip"
 
 
-def _thick(body, cells):
-    """Whether a body is a box or ball of two cells and more in each direction."""
-    region = body.get("region", {})
-    if box := region.get("box"):
-        sides = [high - low for low, high in zip(box["min"], box["max"], strict=True)]
-        return all(side >= 2.0 * h for side, h in zip(sides, cells, strict=True))
-    ball = region.get("ball")
-    return bool(ball) and ball["radius"] >= max(cells)
-
-
-def exact_surfaces(rng, scene):
-    """Bodies exact to their surface, some if not all, where all are in the initial configuration.
-
-    Of thin ones, or from files, there are none: steps would be refused.
-    """
+def cut_cells(rng, scene):
+    """Exact cut cells of all bodies, where all are in the initial configuration: none is whole."""
     case = scene.case
     solids = [body for body in case["bodies"].values() if "rigid" not in body]
-    thick = [body for body in solids if _thick(body, case["grid"]["cell"])]
     if (
-        case["dimensions"] == 1
-        or case["method"]["shape"] not in ("gimp", "finite-gimp", "mpm", "cpdi")
+        case["method"]["shape"] not in ("gimp", "finite-gimp", "mpm", "cpdi")
         or any(body.get("configuration") != "initial" for body in solids)
         or any("points" in body["region"] for body in solids)
-        or not thick
     ):
         return False
-    for body in thick:
-        body["surface"] = "exact"
+    for body in solids:
+        body.pop("surface", None)
     return True
 
 

@@ -1,4 +1,4 @@
-"""Measures bodies that are exact to their surface beside cut ones; see scripts/surfaces."""
+"""Measures exact cut cells beside weights of whole boxes; see scripts/surfaces."""
 
 from itertools import product
 from pathlib import Path
@@ -14,7 +14,7 @@ from pgimp.kernels.data.motion import KEPT_MASS, KEPT_VELOCITY
 from pgimp.kernels.data.record import RECORD
 
 SOLID = {"model": "hooke", "young": 1.0, "poisson": 0.3, "density": 1.0}
-BOTH = ("cut", "exact")
+BOTH = ("boxes", "cut")
 #: Low corners of blocks, or what is added to centres, in cells.
 OFFSETS = ((0.37, 0.21), (0.2, 0.6), (0.97, 0.02))
 PUSH = 1e-3
@@ -156,8 +156,8 @@ def main():
         table = Table("first 12 frequencies, rms of their errors; greatest over 2c/h",
                       *(f"`{each}`" for each in BOTH))  # fmt: skip
         for kind in ("square", "disk", "strip"):
-            # Of exact bodies, with an error of second order.
-            fine = [frequencies(kind, n, OFFSETS[0], "exact")[0] for n in (20, 40)]
+            # Of cut cells, with an error of second order.
+            fine = [frequencies(kind, n, OFFSETS[0], "cut")[0] for n in (20, 40)]
             truth = fine[1] + (fine[1] - fine[0]) / 3.0
             for cells in (8, 16):
                 texts = []
@@ -183,7 +183,7 @@ def main():
             table.add(f"`{surface}`", *(f"{each:.1e}" for each in energy(surface, 100_000)))
         print(table.text())
     if "surfaces" in what:
-        titles = ("", "`cut`, stress", "recovered", "`exact`, stress", "recovered")
+        titles = ("", "boxes, stress", "recovered", "cut cells, stress", "recovered")
         table = Table("hoop stress: greatest at the surface; rms at particles there", *titles[1:])
         for words, measure, radii in (
             ("hole, 3 is right", at_surfaces.hole, (4, 8, 16)),

@@ -44,7 +44,7 @@ def main():
         print(table(titles, bars.front_rows(), measured))
     if "bodies" in chosen:
         titles = ["first 12 modes, rms [%]", *(f"{a}, {b}" for a, b in bodies.WAYS),
-                  "highest over lumped, cut", "exact"]  # fmt: skip
+                  "highest over lumped, boxes", "cut"]  # fmt: skip
         print(table(titles, bodies.rows(), measured))
     if "standing" in chosen:
         print(table(["wave", "lumped", "averaged"], standing.rows(), measured))

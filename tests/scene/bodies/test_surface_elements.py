@@ -5,7 +5,9 @@ import pytest
 
 from pgimp.geometry.regions import Ball, Box
 from pgimp.scene.bodies.lattice_body import LatticeBody
-from pgimp.scene.bodies.surface_elements import AWAY, face_elements, find_elements, parts_of
+from pgimp.scene.bodies.surface_elements import find_elements
+from pgimp.scene.bodies.surfaces.parts import AWAY, parts_of
+from pgimp.scene.bodies.surfaces.whole import face_elements
 
 EVERYWHERE = {D: Box(min=[-99.0] * D, max=[99.0] * D) for D in (2, 3)}
 

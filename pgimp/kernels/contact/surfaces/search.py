@@ -86,6 +86,44 @@ def bound_clusters(frame, numbers, records, motion, clusters, ends):
 
 
 @kernel
+def find_close(order, low, high, reach, body, acts, pairs):
+    """Find the pairs of boxes within reach of each other, of bodies of which one acts on the other.
+
+    Parameters
+    ----------
+    order : (n,) int64
+        The boxes by their low ends along the first direction.
+    low, high, reach : (n, D), (n, D), (D,) float64
+        Their corners; distances by direction.
+    body, acts : (n,) int64, (bodies, bodies) uint8
+        Their bodies, and which of these act on each other.
+    pairs : (k, 2) int64
+        Filled as far as there is room.
+
+    Returns
+    -------
+    int
+        How many there are.
+    """
+    found = 0
+    for n in range(len(order)):
+        a, m = order[n], n + 1
+        while m < len(order) and low[order[m], 0] <= high[a, 0] + reach[0]:
+            b, close = order[m], True
+            m += 1
+            if acts[body[a], body[b]] == 0 and acts[body[b], body[a]] == 0:
+                continue
+            for d in range(1, low.shape[1]):
+                close = close and low[a, d] <= high[b, d] + reach[d]
+                close = close and low[b, d] <= high[a, d] + reach[d]
+            if close:
+                if found < len(pairs):
+                    pairs[found, 0], pairs[found, 1] = min(a, b), max(a, b)
+                found += 1
+    return found
+
+
+@kernel
 def mark_between(surface, clusters, meeting, reach, marks):
     """Mark the facets of clusters that are within reach of the box of one that they meet.
 

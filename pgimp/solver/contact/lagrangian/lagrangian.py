@@ -224,27 +224,36 @@ class LagrangianContact(NoContact):
 
     def _solve(self, joint: Joint, free: Holding, ledger: Ledger) -> Changes:
         """Solve for the impulses of pairs, and book them."""
-        contact, call, mirrors = self._contact, self.call, self._selector.mirrors
+        call, mirrors = self.call, self._selector.mirrors
         pairs, coupling, (keys, values) = joint
         vertices, solved = flat(values), Solved.empty(len(values), coupling)
         call(begin_solution, free.frame, vertices, coupling, solved)
-        self._sweep(joint, free, solved)
+        self._sweep(free, pairs, coupling, solved)
         self._warm_start.keep(pairs, self._dt)
         changes = Changes(keys, *np.empty((2, len(keys), 3)))
         call(find_changes, vertices, solved, changes)
         if len(mirrors):
             call(book_mirrored, pairs, coupling, mirrors, ledger)
-        call(book_contacts, contact, free, pairs, coupling, solved, self._walls, ledger)
+        self._book(free, pairs, coupling, solved, ledger)
         return changes
 
-    def _sweep(self, joint: Joint, free: Holding, solved: Solved) -> None:
-        """Sweep over the pairs from the last steps' impulses on."""
-        contact, (pairs, coupling, _) = self._contact, joint
+    def _sweep(
+        self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved
+    ) -> None:
+        """Solve for the impulses of pairs, by sweeps."""
+        contact, call = self._contact, self.call
         scratch = np.empty((2, len(pairs.ends), IMPULSES))
         self._warm_start.begin(contact, pairs, coupling, solved, self._dt)
-        self.sweeps = self.call(
+        self.sweeps = call(
             solve_impulses, contact, free, pairs, coupling, solved, scratch, *self._accuracy
         )
+
+    def _book(
+        self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved, ledger: Ledger
+    ) -> None:
+        """Book the impulses of pairs."""
+        of = self._contact, free, pairs, coupling, solved
+        self.call(book_contacts, *of, self._walls, ledger)
 
     def _find(self, near: Near, t: Step) -> tuple[ContactPairs, Coupling]:
         """Find the candidate pairs in this rank's share, and their rows of B."""

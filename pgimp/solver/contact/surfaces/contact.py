@@ -11,40 +11,55 @@ import numpy as np
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.lagrangian.books import book_held
 from pgimp.kernels.contact.lagrangian.coupling import Coupling
+from pgimp.kernels.contact.lagrangian.gauss_seidel import IMPULSES
 from pgimp.kernels.contact.lagrangian.pairs import ContactPairs
 from pgimp.kernels.contact.lagrangian.reference_grid import (
     REFERENCE_VERTEX,
+    Changes,
     ReferenceVertices,
     change_velocities,
     read_reference_vertices,
 )
-from pgimp.kernels.contact.lagrangian.rows import Solved, begin_solution
+from pgimp.kernels.contact.lagrangian.rows import Solved
 from pgimp.kernels.contact.surfaces.gaps import find_gaps
+from pgimp.kernels.contact.surfaces.groups import book_groups, solve_groups
 from pgimp.kernels.contact.surfaces.motion import move_facets
 from pgimp.kernels.contact.surfaces.rows import find_patch_pairs
 from pgimp.kernels.contact.surfaces.soft import LEAST_AREA, PARTS, apply_impulses, soften
-from pgimp.kernels.data.ledger import CONTACT_AREA
+from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
+from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
-from pgimp.solver.contact.lagrangian.joint import Joint, share
+from pgimp.solver.contact.lagrangian.joint import Joint
 from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact, nothing_held
+from pgimp.solver.contact.lagrangian.messages import greatest
 from pgimp.solver.contact.lagrangian.selected import flat
-from pgimp.solver.contact.surfaces.proximity import Near, Proximity
+from pgimp.solver.contact.surfaces.groups import (
+    Grouped,
+    add_books,
+    books_of,
+    labels_of,
+    share_changes,
+)
+from pgimp.solver.contact.surfaces.kept_forces import KeptForces
+from pgimp.solver.contact.surfaces.overrun import OverrunWatch
+from pgimp.solver.contact.surfaces.proximity import Proximity, Share, U
 from pgimp.solver.contact.surfaces.table import Table, table_of
 from pgimp.solver.rank_state import RankState
+from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import VertexUpdate
 
 #: The most sweeps over all pairs in a step, and the relative change of impulses that ends them. To
 #: 1e-3 disks rebound the same to four digits, but what rests with friction slowly gains energy.
-SWEEPS, TOLERANCE = 200, 1e-5
+SWEEPS, TOLERANCE = 200, 1e-6
 
 
 class SurfaceContact(LagrangianContact):
     """Contact by surfaces: patches of one body, and the nearest facets of another.
 
-    The rank with the first layer finds the gaps, and solves for the impulses, from the vertices of
-    all ranks near contact. So nothing depends on the ranks.
+    Each connected group of bodies has a rank that finds its gaps, and solves for its impulses, from
+    the vertices of all ranks near contact. What it finds depends on the group alone.
     """
 
     def __init__(self, scene: Scene, comm: Communicator) -> None:
@@ -56,6 +71,10 @@ class SurfaceContact(LagrangianContact):
         self._rate, self._room = 0.0, (ContactPairs.empty(0), _rows(0, 0))
         cell = scene.domain.frame.cell
         self._sizes = LEAST_AREA * min(cell) ** (len(cell) - 1), PARTS * min(cell)
+        rigid_bodies = scene.interaction.rigid_bodies
+        self._watch = OverrunWatch(scene, [*scene.body_names, *rigid_bodies.names])
+        self._warm_start: KeptForces = KeptForces(comm)
+        self._books = np.empty(0, np.int64), Ledger.empty(0, 0, 0)
         if not self.free:
             self._accuracy = SWEEPS, TOLERANCE
 
@@ -72,6 +91,15 @@ class SurfaceContact(LagrangianContact):
         """See `NoContact.restore_search`."""
         self._proximity.restore(search)
 
+    def overrun(self, rank: RankState, done: Step) -> list[str]:
+        """See `NoContact.overrun`."""
+        if self._table is None or not self._watch.due(done):
+            return []
+        u = self._proximity.all_displacements(rank, self._table)
+        if self.comm.rank > 0:
+            return []
+        return self._watch.look(self._table, self._acts, u, self.rigid_bodies, done)
+
     def exchange(self, rank: RankState, update: VertexUpdate) -> None:
         """See `NoContact.exchange`."""
         rigid_bodies, free = self.rigid_bodies, self.free
@@ -84,11 +112,12 @@ class SurfaceContact(LagrangianContact):
             free.begin(rigid_bodies, t, forcing.gravity)
         table, rate = self._known(rank), max(every.rate, free.rate if free else 0.0)
         self._rate = rate
-        self._proximity.update(rank, table, self._acts, rigid_bodies, t.dt, rate)
+        if self._proximity.update(rank, table, self._acts, rigid_bodies, t.dt, rate):
+            self._warm_start.divide(self._proximity.has)
         near = self._proximity.near
         assert near is not None
         if needed(near.any):
-            self._act(rank, update, table, near)
+            self._act(rank, update, table)
         else:
             self._warm_start.clear()
         if free:
@@ -101,6 +130,7 @@ class SurfaceContact(LagrangianContact):
             self._table, self._slaves = table_of(rank, self.fields), slaves
             self._acts = self._looking()
             self._proximity.restart()
+            self._proximity.labels = labels_of(self.scene, self.groups, len(self._walls.planes))
         return self._table
 
     def _looking(self) -> np.ndarray:
@@ -114,77 +144,97 @@ class SurfaceContact(LagrangianContact):
         acts[soft, soft] &= (groups[:, None] != groups) | np.eye(len(groups), dtype=bool)
         return acts.astype(np.uint8)
 
-    def _act(self, rank: RankState, update: VertexUpdate, table: Table, near: Near) -> None:
+    def _act(self, rank: RankState, update: VertexUpdate, table: Table) -> None:
         """Find the gaps, solve for the impulses, and apply them; collective."""
         scene, contact, call, grid = self.scene, self._contact, self.call, rank.grid
         t, faces, forcing, ledger = update
-        frame, root = scene.domain.frame, self._proximity.root
+        frame, share = scene.domain.frame, self._proximity.share
         holding = Holding(faces, frame, forcing, contact.scratch_impulse, forcing.loads.relaxation)
-        values = np.empty(len(near.own), REFERENCE_VERTEX)
-        call(read_reference_vertices, holding, grid.field, near.keys[near.own], values)
-        u, every = self._proximity.displacements(rank, near), self._proximity.on_root(near, values)
-        joint: Joint | None = None
-        found = np.zeros(1, np.int64)
-        if u is not None and every is not None:
-            joint = self._pairs(table, near, u, every, t.dt)
-            found[0] = len(joint.pairs.ends)
-        if self.comm.size > 1:
-            self.comm.Bcast(found, root)
-        if not needed(found[0]):
-            self._warm_start.clear()
-            return
-        self._warm_start.move_to(root)
-        changes = None
-        if joint is not None:
+        values = np.empty(len(share.records), REFERENCE_VERTEX)
+        call(read_reference_vertices, holding, grid.field, share.sent, values)
+        speed = greatest(self.comm, float(np.abs(values["velocity"]).max(initial=0.0)))
+        u = np.ascontiguousarray(grid.kept.values.reshape(-1, RECORD)[share.records, U])
+        u, values = share.gather(self.comm, u), share.gather(self.comm, values)
+        joint = self._pairs(table, share, u, values, (t.dt, speed))
+        self._books = np.empty(0, np.int64), books_of(ledger, 0)
+        changes = Changes(np.empty(0, np.int64), *np.empty((2, 0, 3)))
+        if needed(len(joint.pairs.ends)):
             changes = self._solve(joint, nothing_held(holding), ledger)
         else:
             self._warm_start.clear()
-        if self.comm.size > 1:
-            answers = self.rigid_bodies.responses["trial_impulse"] if self.free else np.empty(0)
-            changes = share(self.comm, root, changes, answers)
-        assert changes is not None
+        add_books(self.comm, self._proximity.root, *self._books, ledger)
+        answers = self.rigid_bodies.responses["trial_impulse"] if self.free else np.empty(0)
+        changes = share_changes(self.comm, changes, answers)
+        if not needed(len(changes.keys)):
+            return
         self.changes = changes
         call(change_velocities, frame, grid.field, changes, forcing, ledger.work)
         call(book_held, holding, grid.field, changes, ledger)
 
-    def _sweep(self, joint: Joint, free: Holding, solved: Solved) -> None:
-        """See `LagrangianContact._sweep`; here with some compliance between neighbours."""
-        contact, call, (pairs, coupling, vertices) = self._contact, self.call, joint
-        soft, kept = coupling._replace(answer=coupling.answer.copy()), self._warm_start.kept
-        softened = solved._replace(soft=np.zeros_like(soft.answer))
-        scratch, sizes = (np.zeros(len(vertices.keys)), np.zeros(len(pairs.ends))), self._sizes
-        call(soften, contact, kept, pairs, soft, softened, (self._dt, *sizes), scratch)
-        super()._sweep(joint._replace(coupling=soft), free, softened)
-        call(begin_solution, free.frame, flat(vertices.values), coupling, solved)
+    def _sweep(
+        self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved
+    ) -> None:
+        """See `LagrangianContact._sweep`; the sweeps of each group end by themselves.
+
+        Neighbouring patches have some compliance in them.
+        """
+        contact, call, count = self._contact, self.call, len(pairs.ends)
+        compliant = coupling._replace(answer=coupling.answer.copy())
+        softened = Solved(*(part.copy() for part in solved))
+        softened = softened._replace(soft=np.zeros_like(coupling.answer))
+        scratch, kept = (np.zeros(len(solved.velocity)), np.zeros(count)), self._warm_start.kept
+        sizes = self._dt, *self._sizes
+        call(soften, contact, kept, pairs, compliant, softened, sizes, scratch)
+        self._warm_start.begin(contact, pairs, compliant, softened, self._dt)
+        grouped = Grouped.of(pairs, self._proximity.groups)
+        self.sweeps = call(
+            solve_groups, contact, free, (grouped.pairs, grouped.first), compliant, softened,
+            np.empty((2, count, IMPULSES)), self._accuracy,
+        )  # fmt: skip
+        grouped.copy_to(pairs)
         call(apply_impulses, pairs, coupling, solved)
 
+    def _book(
+        self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved, ledger: Ledger
+    ) -> None:
+        """See `LagrangianContact._book`; of each group alone."""
+        grouped = Grouped.of(pairs, self._proximity.groups)
+        self._books = grouped.number, books_of(ledger, len(grouped.number))
+        of = self._contact, free, (grouped.pairs, grouped.first), coupling, solved
+        self.call(book_groups, *of, self._walls, self._books[1])
+
     def _pairs(
-        self, table: Table, near: Near, u: np.ndarray, values: np.ndarray, dt: float
-    ) -> Joint:
-        """The pairs of patches and other bodies, with their rows of B."""
+        self, table: Table, share: Share, u: np.ndarray, values: np.ndarray,
+        step: tuple[float, float],
+    ) -> Joint:  # fmt: skip
+        """The pairs of patches and other bodies, with their rows of B.
+
+        `step` has its length, and the greatest speed of a vertex.
+        """
         call, frame, surface = self.call, self.scene.domain.frame, table.surface
-        proximity, rigid, cells = self._proximity, self.rigid_bodies, near.cells
-        every, scratch, least = proximity.candidates, proximity.scratch, min(frame.cell)
-        fastest = float(np.abs(values["velocity"]).max(initial=0.0)) + self._rate * least
-        call(move_facets, frame, rigid, surface, cells, u, proximity.moving, scratch)
-        far = proximity.far, bool(proximity.walks(fastest * dt / least))
+        proximity, rigid, cells = self._proximity, self.rigid_bodies, share.cells
+        every, scratch = proximity.candidates, proximity.scratch
+        call(move_facets, frame, rigid, surface, cells, u, share.moving, scratch)
+        (dt, speed), least = step, min(frame.cell)
+        fastest = speed + self._rate * least
+        far = proximity.far, proximity.walks(fastest * dt / least)
         call(find_gaps, frame, rigid, self._walls, surface, (cells, u), scratch, far, every)
-        seen, counts = np.empty((2, len(near.keys)), np.int64), [0, 0]
+        seen, counts = np.empty((2, len(share.keys)), np.int64), [0, 0]
         vertices = flat(values), seen, np.empty(2 ** len(frame.cell))
         if len(self._room[0].ends) < len(every):
             self._room = ContactPairs.empty(len(every)), _rows(len(every), 8 * len(every))
+        pairs, coupling = self._room
 
         def fill(coupling: Coupling) -> int:
             counts[0], counts[1], used = call(
                 find_patch_pairs, self._contact, frame, surface, cells, every, (dt, fastest),
-                vertices, (self._room[0], coupling),
+                vertices, (pairs, coupling),
             )  # fmt: skip
             return int(used)
 
-        pairs, coupling = self._room
         used = fill(coupling)
         if used > len(coupling.column):
-            coupling = _rows(len(every), used + used // 4)
+            coupling = _rows(len(pairs.ends), used + used // 4)
             self._room = pairs, coupling
             fill(coupling)
         found, rows = counts
@@ -192,7 +242,7 @@ class SurfaceContact(LagrangianContact):
             coupling.start[: rows + 1], coupling.column[:used], coupling.entry[:used],
             coupling.answer[:rows], coupling.beyond[:rows],
         )  # fmt: skip
-        return Joint(pairs.chosen(slice(found)), coupling, ReferenceVertices(near.keys, values))
+        return Joint(pairs.chosen(slice(found)), coupling, ReferenceVertices(share.keys, values))
 
 
 def _rows(pairs: int, entries: int) -> Coupling:

@@ -6,20 +6,25 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pgimp.geometry.sweep import close_pairs
 from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
 from pgimp.kernels.contact.surfaces.data import SurfaceCells, no_facets
 from pgimp.kernels.contact.surfaces.gaps import FARTHEST
 from pgimp.kernels.contact.surfaces.motion import move_facets
-from pgimp.kernels.contact.surfaces.search import bound_clusters, find_meeting, mark_between
+from pgimp.kernels.contact.surfaces.search import (
+    bound_clusters,
+    find_close,
+    find_meeting,
+    mark_between,
+)
 from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_VELOCITY
 from pgimp.kernels.data.record import RECORD
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.grown import grown
 from pgimp.solver.contact.lagrangian.messages import greatest, swap
+from pgimp.solver.contact.surfaces.groups import Groups, find_groups
 from pgimp.solver.contact.surfaces.table import Table, bins_of, records_of
 from pgimp.solver.rank_state import RankState
 
@@ -29,7 +34,7 @@ TRAVEL, LONGEST = 0.25, 16
 #: Cells of travel within which the facets next to others stay so.
 WALK = 0.002
 
-_U = slice(DISPLACEMENT, DISPLACEMENT + 3)
+U = slice(DISPLACEMENT, DISPLACEMENT + 3)
 
 #: What a checkpoint has of each candidate, and its parts: displacements, facets, moving ones,
 #: these. Before them there are three numbers and the parts' lengths.
@@ -50,6 +55,26 @@ class Near(NamedTuple):
     counts: np.ndarray  #: (ranks,) int64: How many each rank owns.
 
 
+class Share(NamedTuple):
+    """What a rank has of the groups of bodies near each other, until the next search."""
+
+    moving: np.ndarray  #: (k,) int64: Its facets near others, and those near them.
+    cells: SurfaceCells  #: Cells with the vertices' numbers among those below.
+    keys: np.ndarray  #: (v,) int64: Keys of the vertices that move these facets.
+    #: records, sent: (o,) int64: Records of its own vertices that any rank needs, by rank; keys.
+    records: np.ndarray
+    sent: np.ndarray
+    counts: np.ndarray  #: (2, ranks) int64: How many of these each rank needs, and it has of each.
+    place: np.ndarray  #: (v,) int64: Numbers of those that it gets.
+
+    def gather(self, comm: Communicator, values: np.ndarray) -> np.ndarray:
+        """What all ranks have at the share's vertices, given that of `sent`; collective."""
+        arrived = values if comm.size == 1 else swap(comm, values, *self.counts)
+        found = np.zeros((len(self.keys), *values.shape[1:]), values.dtype)
+        found[self.place] = arrived
+        return found
+
+
 class Proximity:
     """Finds the facets near other bodies, and knows how long they are all.
 
@@ -63,21 +88,32 @@ class Proximity:
     near : Near
         What may meet.
     candidates : (n,) NEAR_FACET
-        Facets near another body, by patch and body, with the nearest facet there; on the root.
-    moving : (k,) int64
-        These facets, those near them on the other bodies; on the root.
+        Facets near another body, by patch and body, with the nearest facet there: those of the
+        rank's groups.
+    groups : Groups
+        Connected groups of bodies near each other, of all ranks.
+    labels : (bodies,) int64
+        See `labels_of`.
+    share : Share
+        What the rank's groups need.
+    alone : bool
+        Whether the root has all groups.
     root : int
-        The rank with the first layer, which finds the gaps.
+        The rank with the first layer, which searches.
     """
 
     def __init__(self, scene: Scene, comm: Communicator, walls: SeparatingWalls) -> None:
         self.scene, self.comm, self.walls, self.call = scene, comm, walls, Bound()
         self.near: Near | None = None
-        self.candidates, self.moving = no_facets(0), np.empty(0, np.int64)
-        self.root = 0
+        self.candidates, self._moving = no_facets(0), np.empty(0, np.int64)
+        self._found = self.candidates, np.empty(0, np.int64)  # of all ranks, and which are its own
+        self.labels, self.root = np.empty(0, np.int64), 0
+        self.groups: Groups
+        self.share: Share
         self.scratch = np.zeros((3, 3)), np.zeros((2**scene.dimension, 3)), np.zeros(3)
         cell, pairs = np.array(scene.domain.frame.cell), scene.interaction.pairs
         adheres = pairs.adhesion[:, 2].max(initial=0.0) if pairs else 0.0
+        self.alone = False
         self.far = max(FARTHEST * cell.min(), adheres)
         self._reach = (2.0 * TRAVEL) * cell + self.far
         self._pause, self._moved, self._walked = 0, 0.0, np.inf
@@ -98,13 +134,16 @@ class Proximity:
     def state(self) -> np.ndarray:
         """What a checkpoint has of the search, (n,) float64, of the root; empty on others.
 
-        It is state: in a concave corner the facet next to another may depend on where the way to it
-        begins.
+        Collective. It is state: in a concave corner the facet next to another may depend on where
+        the way to it begins.
         """
-        if self.near is None or self.comm.rank != self.root:
+        if self.near is None:
             return np.empty(0)
-        parts = (self._before.reshape(-1), self.near.facets, self.moving,
-                 *(self.candidates[name] for name in _KEPT))  # fmt: skip
+        every = self._everyone()
+        if self.comm.rank != self.root:
+            return np.empty(0)
+        parts = (self._before.reshape(-1), self.near.facets, self._moving,
+                 *(every[name] for name in _KEPT))  # fmt: skip
         numbers = [self._pause, self._moved, self._walked]
         return np.concatenate([numbers, list(map(len, parts)), *parts])
 
@@ -120,30 +159,36 @@ class Proximity:
         if sizes[0] != 3 * len(table.keys) or len(state) != head + sizes.sum():
             return
         before, *parts = np.split(state[head:], np.cumsum(sizes[:-1]))
-        facets, self.moving, *every = (part.astype(np.int64) for part in parts)
+        facets, self._moving, *every = (part.astype(np.int64) for part in parts)
         self._pause, self._moved, self._walked = int(state[0]), state[1], state[2]
         self._before = before.reshape(-1, 3)
-        self.candidates = no_facets(len(every[0]))
+        found = no_facets(len(every[0]))
         for name, values in zip(_KEPT, every, strict=True):
-            self.candidates[name] = values
+            found[name] = values
         self._find_root(rank)
         self._locate(rank, table, facets)
+        self._divide(table, found)
 
     def _locate(self, rank: RankState, table: Table, facets: np.ndarray | None = None) -> None:
         """Find the records of vertices, those near others on all ranks, and the root; collective.
 
         `facets` are those that may meet others, by default as they were.
         """
-        self._window, before = rank.grid.window, self.root
+        self._window, near = rank.grid.window, self.near
         self._records = records_of(rank, table.numbers)
-        if facets is None and self.near is not None:
-            facets = self.near.facets
-            self._find_root(rank)
-            if self.root != before:
-                here = self.candidates, self.moving, self._walked
-                self.candidates, self.moving, self._walked = self.comm.bcast(here, before)
         if facets is not None:
             self.near = self._select(table, facets)
+        elif near is not None:
+            self._find_root(rank)
+            self.near = self._select(table, near.facets)
+            self._divide(table, self._everyone())
+
+    def _everyone(self) -> np.ndarray:
+        """The candidates of all ranks; collective."""
+        every, mine = self._found
+        for numbers, others in self.comm.allgather((mine, self.candidates["other"])):
+            every["other"][numbers] = others
+        return every
 
     def _find_root(self, rank: RankState) -> None:
         """Find the rank with the first layer; collective."""
@@ -160,10 +205,18 @@ class Proximity:
                 found[some] = values
         return found
 
+    def all_displacements(self, rank: RankState, table: Table) -> np.ndarray:
+        """Displacements of all surface vertices, (v, 3) float64; collective."""
+        records = records_of(rank, table.numbers)
+        own, motion = records >= 0, rank.grid.kept.values.reshape(-1, RECORD)
+        return self._everywhere(own, motion[records[own], U])
+
     def update(
         self, rank: RankState, table: Table, acts: np.ndarray, rigid: Any, dt: float, rate: float
-    ) -> None:
+    ) -> bool:
         """Search, if any facets may have come near others since; collective.
+
+        Returns whether groups may be on other ranks than before.
 
         Parameters
         ----------
@@ -174,14 +227,16 @@ class Proximity:
         dt, rate : float
             The step; most cells that a point of rigid bodies crosses per unit of time.
         """
-        if len(self._restored):
+        divided = bool(len(self._restored))
+        if divided:
             self._continue(rank, table)
         if self._window is not rank.grid.window:
             self._locate(rank, table)
+            divided = self.near is not None
         self._moved += rate * dt
         self._pause -= 1
         if self._pause >= 0:
-            return
+            return divided
         own = self._records >= 0
         motion = rank.grid.kept.values.reshape(-1, RECORD)[self._records[own]]
         inverse, D = np.array(rank.grid.frame.inverse), self.scene.dimension
@@ -189,13 +244,13 @@ class Proximity:
         travel = max(greatest(self.comm, float(speed.max(initial=0.0))), rate) * dt
         moved = np.inf
         if self.near is not None:
-            away = np.abs(motion[:, _U] - self._before[own])[:, :D] * inverse
+            away = np.abs(motion[:, U] - self._before[own])[:, :D] * inverse
             moved = float(away.max(initial=0.0))
         left = TRAVEL - max(greatest(self.comm, moved), self._moved)
         if left > 4.0 * travel:
             self._pause = int(min(LONGEST, left / travel if travel > 0.0 else LONGEST)) - 1
-            return
-        self._before, self._moved = self._everywhere(own, motion[:, _U]), 0.0
+            return divided
+        self._before, self._moved = self._everywhere(own, motion[:, U]), 0.0
         self._walked = np.inf
         self._pause = int(max(1.0, min(LONGEST, TRAVEL / travel if travel > 0.0 else LONGEST))) - 1
         self._find_root(rank)
@@ -203,7 +258,55 @@ class Proximity:
         met, on_walls = self._meeting(table, acts, *boxes)
         facets = table.facets(np.unique(met))
         self.near = self._select(table, np.unique(np.concatenate([facets, *on_walls.values()])))
-        self._find(rank, table, self.near, acts, rigid, (met, *boxes), on_walls)
+        found = self._find(rank, table, self.near, acts, rigid, (met, *boxes), on_walls)
+        found, self._moving = self.comm.bcast((found, self._moving), self.root)
+        self._divide(table, found)
+        return True
+
+    def walks(self, travel: float) -> bool:
+        """Whether facets next to others are to be found anew, given a step's travel in cells."""
+        self._walked += travel
+        again = bool(self._walked > WALK)
+        self._walked = 0.0 if again else self._walked
+        return again
+
+    def has(self, bodies: np.ndarray) -> np.ndarray:
+        """Mask of the pairs of bodies, (n, 2), in the rank's groups; on the root those in none."""
+        groups = self.groups
+        found = np.full(len(bodies), self.root)
+        some = groups.of[bodies].max(axis=1) >= 0
+        found[some] = groups.rank[groups.number(bodies[some])]
+        return found == self.comm.rank
+
+    def _divide(self, table: Table, every: np.ndarray) -> None:
+        """Find the groups of all candidates, and the rank's share; collective."""
+        surface, facet = table.surface, every["facet"]
+        bodies = np.column_stack([surface.body[facet], every["body"]])
+        self.groups = find_groups(self.labels, bodies, surface.x[facet, 0], self.comm.size)
+        if self.alone:
+            self.groups.rank[:] = self.root
+        own = self.groups.rank[self.groups.number(bodies)] == self.comm.rank
+        mine = np.flatnonzero(own)
+        self.candidates, self._found = every[mine], (every, mine)
+        group = self.groups.of[surface.body[self._moving]]
+        joins, surface.now[:] = group >= 0, np.inf
+        rank = np.where(joins, self.groups.rank[group], self.comm.rank)
+        used = np.full(len(table.keys), -1)
+        for each in range(self.comm.size):
+            used[self._vertices(table, self._moving[joins & (rank == each)])[0]] = each
+        own = np.flatnonzero((used >= 0) & (self._records >= 0))
+        own = own[np.argsort(used[own], kind="stable")]
+        parts = self.comm.allgather((own, np.bincount(used[own], minlength=self.comm.size)))
+        here = self.comm.rank
+        get = [each[used[each] == here] for each, _ in parts]
+        marks, cells = self._vertices(table, self._moving[rank == here])
+        number = np.cumsum(marks) - 1
+        mapped = cells._replace(corners=number[cells.corners], column=number[cells.column])
+        self.share = Share(
+            self._moving[rank == here], mapped, table.keys[marks], self._records[own],
+            table.keys[own], np.array([parts[here][1], [len(each) for each in get]]),
+            number[np.concatenate(get)],
+        )  # fmt: skip
 
     def _boxes(self, rank: RankState, table: Table, rigid: Any) -> tuple[np.ndarray, np.ndarray]:
         """Least and greatest coordinates of the clusters; collective."""
@@ -225,13 +328,14 @@ class Proximity:
         self, table: Table, acts: np.ndarray, low: np.ndarray, high: np.ndarray
     ) -> tuple[np.ndarray, dict[int, np.ndarray]]:
         """Pairs of clusters that may meet, and for each wall the facets that may meet it."""
-        frame, both = self.scene.domain.frame, acts | acts.T
-        cell, reach = np.array(frame.cell), self._reach
-        some = _beside(table.body, low, high, reach, both)
-        a, b = some[close_pairs(low[some], high[some], reach)].T
-        met = both[table.body[a], table.body[b]] != 0
-        met &= (low[a] <= high[b] + reach).all(axis=1) & (low[b] <= high[a] + reach).all(axis=1)
-        alone = some[both[table.body[some], table.body[some]] != 0]
+        frame, reach = self.scene.domain.frame, self._reach
+        cell, order = np.array(frame.cell), np.argsort(low[:, 0], kind="stable")
+        pairs, found = grown(
+            8 * len(low) + 16,
+            lambda size: np.empty((size, 2), np.int64),
+            lambda room: self.call(find_close, order, low, high, reach, table.body, acts, room),
+        )
+        alone = np.flatnonzero(acts[table.body, table.body])
         on_walls = {}
         soft = np.flatnonzero(table.body < len(self.scene.body_names))
         for w, (axis, side, place, *_) in enumerate(self.walls.planes.tolist()):
@@ -239,17 +343,11 @@ class Proximity:
             end = (high if side > 0 else low)[soft, axis]
             near = soft[side * (at - end) < reach[axis]]
             on_walls[self.walls.first + w] = table.facets(near)
-        pairs = np.column_stack([a[met], b[met]])
-        return np.concatenate([pairs, np.column_stack([alone, alone])]), on_walls
+        return np.concatenate([pairs[:found], np.column_stack([alone, alone])]), on_walls
 
     def _select(self, table: Table, facets: np.ndarray) -> Near:
         """The cells and vertices of facets that may meet others; collective."""
-        cells = table.cells
-        marks, used = np.zeros(len(table.keys), bool), np.zeros(len(cells.low), bool)
-        some = table.surface.cell[facets]
-        used[some[some >= 0]] = True
-        marks[cells.corners[used].reshape(-1)] = True
-        marks[cells.column[np.repeat(used, np.diff(cells.start))]] = True
+        marks, cells = self._vertices(table, facets)
         number = np.cumsum(marks) - 1
         # Cells of others have vertices of any number: they are not looked at.
         mapped = cells._replace(corners=number[cells.corners], column=number[cells.column])
@@ -260,17 +358,20 @@ class Proximity:
             np.concatenate(every), np.array([len(each) for each in every]),
         )  # fmt: skip
 
-    def walks(self, travel: float) -> bool:
-        """Whether facets next to others are to be found anew, given a step's travel in cells."""
-        self._walked += travel
-        again = self._walked > WALK
-        self._walked = 0.0 if again else self._walked
-        return again
+    def _vertices(self, table: Table, facets: np.ndarray) -> tuple[np.ndarray, SurfaceCells]:
+        """Mask of the vertices that move some facets; all cells."""
+        cells = table.cells
+        marks, used = np.zeros(len(table.keys), bool), np.zeros(len(cells.low), bool)
+        some = table.surface.cell[facets]
+        used[some[some >= 0]] = True
+        marks[cells.corners[used].reshape(-1)] = True
+        marks[cells.column[np.repeat(used, np.diff(cells.start))]] = True
+        return marks, cells
 
     def displacements(self, rank: RankState, near: Near) -> np.ndarray | None:
         """Displacements of the near vertices, (v, 3), on the root; collective."""
         values = rank.grid.kept.values.reshape(-1, RECORD)
-        return self.on_root(near, np.ascontiguousarray(values[near.records, _U]))
+        return self.on_root(near, np.ascontiguousarray(values[near.records, U]))
 
     def on_root(self, near: Near, values: np.ndarray) -> np.ndarray | None:
         """What all ranks have at their near vertices, on the root; collective."""
@@ -297,12 +398,12 @@ class Proximity:
         rigid: Any,
         meeting: tuple[np.ndarray, np.ndarray, np.ndarray],
         on_walls: dict[int, np.ndarray],
-    ) -> None:
-        """Find the candidates on the root; collective."""
+    ) -> np.ndarray:
+        """The candidates of all ranks, on the root; collective."""
         u, surface, call = self.displacements(rank, near), table.surface, self.call
-        self.candidates, self.moving = no_facets(0), np.empty(0, np.int64)
+        self._moving = np.empty(0, np.int64)
         if u is None or not needed(near.any):
-            return
+            return no_facets(0)
         frame = self.scene.domain.frame
         call(move_facets, frame, rigid, surface, near.cells, u, near.facets, self.scratch)
         marks, reach = np.zeros(len(surface.x), np.uint8), (self._reach.max(), frame.cell[0])
@@ -334,28 +435,8 @@ class Proximity:
             parts.append(one)
         every = np.concatenate([no_facets(0), *parts])
         order = np.lexsort((every["facet"], every["body"], surface.patch[every["facet"]]))
-        self.candidates, self.moving = every[order], np.flatnonzero(marks)
-        surface.now[near.facets[marks[near.facets] == 0]] = np.inf  # far until the next search
-
-
-def _beside(
-    body: np.ndarray, low: np.ndarray, high: np.ndarray, reach: np.ndarray, acts: np.ndarray
-) -> np.ndarray:
-    """Clusters near the box of a body on which theirs acts."""
-    bodies, first = np.unique(body, return_index=True)
-    if not len(first):
-        return np.empty(0, np.int64)
-    least, most = np.minimum.reduceat(low, first), np.maximum.reduceat(high, first)
-    found, ends = np.zeros(len(body), bool), np.append(first, len(body))
-    for a, b in close_pairs(least, most, reach).tolist():
-        if acts[bodies[a], bodies[b]] == 0:
-            continue
-        for own, its in ((a, b), (b, a)):
-            mine = slice(ends[own], ends[own + 1])
-            near = (low[mine] <= most[its] + reach).all(axis=1)
-            found[mine] |= near & (least[its] <= high[mine] + reach).all(axis=1)
-    found |= acts[body, body] != 0
-    return np.flatnonzero(found)
+        self._moving = np.flatnonzero(marks)
+        return every[order]
 
 
 def _least(comm: Communicator, values: np.ndarray) -> np.ndarray:

@@ -21,12 +21,12 @@ TOP = {"of": [0.0, 1.0]}
 
 def exact(region, **more):
     """A body in the initial configuration, exact to its surface."""
-    body = {"material": "soft", "region": region, "configuration": "initial", "surface": "exact"}
+    body = {"material": "soft", "region": region, "configuration": "initial"}
     return body | more
 
 
-#: A body that meets nobody: beside one that is only cut, all meet at vertices of the grid.
-IDLE = {"material": "soft", "configuration": "initial"}
+#: A body that meets nobody: beside whole particles, all meet at vertices of the grid.
+IDLE = {"material": "soft", "configuration": "initial", "surface": "whole"}
 
 
 def with_idle(bodies, low, high):

@@ -14,7 +14,7 @@ from pgimp.solver.contact.lagrangian.selection import Selector
 
 def meeting(shape="gimp"):
     """Bodies meet each other, a rigid ball that comes in, and a wall."""
-    flies = {"material": "soft", "configuration": "initial"}
+    flies = {"material": "soft", "configuration": "initial", "surface": "whole"}
     bodies = {
         "a": flies | {"velocity": [4.0, -1.0],
                       "region": {"ball": {"centre": [3.1, 2.4], "radius": 2.0}}},

@@ -16,7 +16,7 @@ from pgimp.solver.simulation import Simulation
 
 def pressed(end=3.0, **parts):
     """A block that a ram presses on a floor, from rest."""
-    block = box([2.0, 0.0], [6.0, 3.0]) | {"configuration": "initial"}
+    block = box([2.0, 0.0], [6.0, 3.0]) | {"configuration": "initial", "surface": "whole"}
     ram = {"rigid": {"velocity": [0.0, -0.1]},
            "region": {"box": {"min": [0.0, 3.0], "max": [8.0, 6.0]}}}  # fmt: skip
     return scene(

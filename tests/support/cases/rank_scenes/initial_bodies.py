@@ -42,15 +42,16 @@ def initial():
 
 
 def exact_surfaces():
-    """Bodies exact to their surface, across slabs: one turns, one hangs, pressed and dragged."""
+    """Cut bodies across slabs: one turns, one hangs, pressed and dragged, a thin one falls."""
     disk = {"ball": {"centre": [5.3, 5.4], "radius": 1.9}}
     bodies = {
         "bar": box([0.0, 1.02], [14.6, 2.98]),
         "disk": turning({"material": "stiff", "region": disk}, [5.3, 5.4], 2.0, [1.0, 0.5]),
+        "thin": turning(box([9.3, 7.97], [16.4, 8.2]), [12.0, 8.0], 0.1, [1.0, 0.5]),
     }
     held = {"body": "bar", "region": {"box": {"min": [12.0, 0.0], "max": [13.0, 3.0]}}}
     top = {"body": "bar", "region": {"box": {"min": [3.3, 2.0], "max": [9.1, 4.0]}}}
-    more = {"configuration": "initial", "surface": "exact"}
+    more = {"configuration": "initial"}
     return scene(
         2,
         {name: body | more for name, body in bodies.items()},
@@ -97,7 +98,7 @@ def exact_round():
     bars = [
         {"box": {"min": [low, 4.02], "max": [high, 5.97]}} for low, high in ((0, 2.6), (13.9, 18))
     ]
-    more = {"configuration": "initial", "surface": "exact", "velocity": [1.0, 0.5]}
+    more = {"configuration": "initial", "velocity": [1.0, 0.5]}
     held = {"body": "bar", "region": {"box": {"min": [0.0, 4.0], "max": [0.8, 6.0]}}}
     top = {"body": "bar", "region": {"box": {"min": [0.0, 5.0], "max": [1.7, 7.0]}}}
     return scene(
@@ -129,7 +130,7 @@ def exact_rings():
     """Rings exact to their surface: a ball on the axis across a seam, a tube with a load inside."""
     balls = [{"ball": {"centre": [0.0, y], "radius": 1.9}} for y in (0.4, 9.4)]
     tube = {"box": {"min": [7.03, 2.02], "max": [12.41, 5.97]}}
-    more = {"configuration": "initial", "surface": "exact"}
+    more = {"configuration": "initial"}
     case = scene(
         2,
         {
@@ -193,7 +194,7 @@ def initial_stages():
 
 
 def initial_contact():
-    """Bodies in the initial configuration meet, across slabs: each other, tools, a floor.
+    """Bodies of whole particles, in the initial configuration, meet: each other, tools, a floor.
 
     One comes from far, one is held, one lies on another and slides, one is tied to it; a ram comes
     in, and a turning drum drags what falls onto it. Bodies leave their first slabs on the way.
@@ -206,7 +207,8 @@ def initial_contact():
         "glued": box([12.0, 2.0], [13.0, 3.5]),
         "falls": box([17.0, 4.0], [19.5, 6.0], [0.0, -3.0], "stiff"),
     }
-    bodies = {name: body | {"configuration": "initial"} for name, body in bodies.items()}
+    more = {"configuration": "initial", "surface": "whole"}
+    bodies = {name: body | more for name, body in bodies.items()}
     rotation = {"about": [18.0, 1.5], "rate": -4.0}
     bodies["drum"] = {"rigid": {"rotation": rotation},
                       "region": {"ball": {"centre": [18.0, 1.5], "radius": 1.7}}}  # fmt: skip
@@ -233,9 +235,9 @@ def initial_contact():
 
 
 def exact_contact():
-    """The same of bodies exact to their surface, cut anywhere, and one cut; a tie ends in a stage.
+    """The same of bodies that are cut anywhere, but for one; a tie ends in a stage.
 
-    Beside one that is cut all meet at vertices.
+    Beside one of whole particles all meet at vertices.
     """
     case = initial_contact()
     bodies = case["bodies"]
@@ -248,7 +250,7 @@ def exact_contact():
     for name, (low, high) in places.items():
         bodies[name]["region"] = {"box": {"min": low, "max": high}}
     for name in ("flies", "lies", "slides", "glued"):
-        bodies[name]["surface"] = "exact"
+        bodies[name]["surface"] = "cut"
     friction = {"bodies": "all", "friction": 0.3}
     case["time"]["stages"] = [{"name": "loose", "end": 1.4, "contact": [friction]}]
     return case
@@ -269,7 +271,7 @@ def surface_contact():
         "falls": box([17.0, 4.03], [19.5, 6.0], [-1.0, -3.0], "stiff"),
         "edged": box([14.1, 2.7], [16.4, 4.6], [3.0, 0.5]),
     }
-    more = {"configuration": "initial", "surface": "exact"}
+    more = {"configuration": "initial"}
     bodies = {name: body | more for name, body in bodies.items()}
     rotation = {"about": [18.0, 1.5], "rate": -4.0}
     bodies["drum"] = {"rigid": {"rotation": rotation},
@@ -307,7 +309,7 @@ def surface_stages():
         "c": box([12.04, 2.3], [17.1, 4.3], spin),
         "falls": box([13.1, 4.8], [15.6, 6.7], [0.0, -5.0]),
     }
-    more = {"configuration": "initial", "surface": "exact"}
+    more = {"configuration": "initial"}
     bodies = {name: body | more for name, body in bodies.items()}
     held = {"body": "b", "region": {"box": {"min": [8.0, 2.0], "max": [9.0, 5.0]}}}
     tied = [{"bodies": ["a", "b"], "law": "tied"}, {"bodies": ["b", "c"], "law": "tied"}]

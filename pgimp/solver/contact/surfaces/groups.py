@@ -1,0 +1,147 @@
+"""Connected groups of bodies near each other, each solved for on one rank."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from pgimp.kernels.contact.lagrangian.pairs import ContactPairs
+from pgimp.kernels.contact.lagrangian.reference_grid import Changes
+from pgimp.kernels.data.ledger import Ledger
+from pgimp.mpi.communicator import Communicator
+from pgimp.scene.scene import Scene
+from pgimp.solver.contact.lagrangian.messages import swap_parts, total
+
+#: What groups book, by plane.
+_BOOKED = ("work", "impulse", "wall_energy", "contact", "rigid_bodies")
+
+
+class Groups(NamedTuple):
+    """Groups of bodies that may meet: what one exchanges depends on it alone."""
+
+    of: np.ndarray  #: (bodies,) int64: Group of each body; -1 of those that join nothing.
+    rank: np.ndarray  #: (groups,) int64: The rank that solves for each.
+
+    def number(self, bodies: np.ndarray) -> np.ndarray:
+        """Group of each pair of bodies, (n, 2); pairs that join nothing are in the first one."""
+        return np.maximum(self.of[bodies].max(axis=1), 0)
+
+
+def labels_of(scene: Scene, bonded: np.ndarray, walls: int) -> np.ndarray:
+    """What each body joins to: bonded ones are one, (bodies + rigid bodies + walls,) int64.
+
+    Those that move as prescribed, and walls, have -1.
+    """
+    rigid = scene.interaction.rigid_bodies
+    soft, found = len(bonded), np.full(len(bonded) + len(rigid) + walls, -1)
+    found[:soft] = bonded
+    for body in rigid.free:
+        found[soft + body] = soft + body
+    return found
+
+
+def find_groups(labels: np.ndarray, bodies: np.ndarray, x: np.ndarray, ranks: int) -> Groups:
+    """Find the groups of bodies, and share them out.
+
+    Groups are in the order of their places along x, as slabs are. Ranks have parts of that order
+    with about as many pairs.
+
+    Parameters
+    ----------
+    labels : (bodies,) int64
+        See `labels_of`.
+    bodies, x : (n, 2) int64, (n,) float64
+        Pairs of bodies that may meet, and where.
+    """
+    root = list(range(1 + int(labels.max(initial=-1))))
+
+    def first(one: int) -> int:
+        while root[one] != one:
+            root[one] = root[root[one]]
+            one = root[one]
+        return one
+
+    for a, b in np.unique(labels[bodies], axis=0).tolist():
+        if a >= 0 and b >= 0:
+            one, other = sorted((first(a), first(b)))
+            root[other] = one
+    roots = np.array([first(one) for one in range(len(root))] + [-1])[labels]
+    known, number = np.unique(roots[bodies].max(axis=1), return_inverse=True)
+    size = np.bincount(number, minlength=len(known))
+    order = np.lexsort((known, np.bincount(number, x, len(known)) / np.maximum(size, 1)))
+    whole = np.cumsum(size[order])
+    rank = np.zeros(len(known), np.int64)
+    rank[order] = ranks * (2 * whole - size[order]) // np.maximum(2 * whole[-1:], 1)
+    at = np.minimum(np.searchsorted(known, roots), max(len(known) - 1, 0))
+    there = roots >= 0
+    there[there] = known[at[there]] == roots[there] if len(known) else False
+    return Groups(np.where(there, at, -1), rank)
+
+
+class Grouped(NamedTuple):
+    """Pairs by group."""
+
+    pairs: ContactPairs
+    first: np.ndarray  #: (groups + 1,) int64: The first pair of each.
+    order: np.ndarray | None  #: (pairs,) int64: Their offsets in the order of patches, if another.
+    number: np.ndarray  #: (groups,) int64: Numbers of the groups.
+
+    @classmethod
+    def of(cls, pairs: ContactPairs, groups: Groups) -> Grouped:
+        """Sort pairs by group."""
+        number, order = groups.number(pairs.ends["bodies"]), None
+        if (np.diff(number) < 0).any():
+            order = np.argsort(number, kind="stable")
+            pairs, number = pairs.chosen(order), number[order]
+        first = np.flatnonzero(np.diff(number, prepend=-1))
+        return cls(pairs, np.append(first, len(number)), order, number[first])
+
+    def copy_to(self, pairs: ContactPairs) -> None:
+        """Copy the impulses to the pairs in the order of patches."""
+        if self.order is not None:
+            pairs.states[self.order] = self.pairs.states
+
+
+def books_of(ledger: Ledger, count: int) -> Ledger:
+    """Empty books of as many groups, a plane each."""
+    every = {name: np.zeros((count, *getattr(ledger, name).shape[1:])) for name in _BOOKED}
+    return ledger._replace(**every)
+
+
+def add_books(
+    comm: Communicator, root: int, number: np.ndarray, books: Ledger, ledger: Ledger
+) -> None:
+    """Add the books of all ranks' groups, in their order, to the first plane of the root's."""
+    widths = [int(np.prod(getattr(books, name).shape[1:], dtype=int)) for name in _BOOKED]
+    shaped = zip(_BOOKED, widths, strict=True)
+    parts = [getattr(books, name).reshape(len(number), width) for name, width in shaped]
+    rows = np.concatenate(parts, axis=1)
+    if comm.size > 1:
+        every = comm.gather((number, rows), root)
+        if comm.rank != root:
+            return
+        number = np.concatenate([each[0] for each in every])
+        rows = np.concatenate([each[1] for each in every])[np.argsort(number, kind="stable")]
+    sums = np.add.accumulate(rows, axis=0)[-1:]
+    ends = np.cumsum(widths)
+    for name, a, b in zip(_BOOKED, ends - widths, ends, strict=True):
+        own = getattr(ledger, name)
+        for found in sums[:, a:b]:
+            own[0] += found.reshape(own.shape[1:])
+
+
+def share_changes(comm: Communicator, changes: Changes, extra: np.ndarray) -> Changes:
+    """Return what all ranks have changed, by vertex; `extra` float64 are summed in place.
+
+    Collective. Of `extra` each number is 0 on all ranks but one.
+    """
+    some = changes.velocities.any(axis=1) | changes.held.any(axis=1)
+    mine = np.column_stack([changes.keys.view(float), changes.velocities, changes.held])[some]
+    if extra.size:
+        extra[...] = total(comm, extra + 0.0)
+    every = mine if comm.size == 1 else swap_parts(comm, [mine] * comm.size)[0]
+    keys = np.ascontiguousarray(every[:, 0]).view(np.int64)
+    order = np.argsort(keys, kind="stable")
+    changed = (np.ascontiguousarray(every[order, a:b]) for a, b in ((1, 4), (4, 7)))
+    return Changes(keys[order], *changed)
