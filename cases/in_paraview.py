@@ -64,6 +64,11 @@ KINDS = {
     "recovered-stress": "S",
     "strain-energy-density": "S",
     "kinetic-energy-density": "S",
+    "contact-pressure": "S",
+    "traction": "S",
+    "gap": "L",
+    "slip": "L",
+    "wear-work": "SL",
 }
 PRESSURES = {
     "m, kg, s": "Pa",
@@ -247,6 +252,7 @@ def _units(directory):
         return {}
     length, mass, time = parts
     power = ("", "", "\u00b2", "\u00b3")
+    stress = PRESSURES.get(", ".join(parts), f"{mass}/({length} {time}\u00b2)")
     across = f"/{length}{power[3 - dimension]}" if dimension < 3 else ""
     return {
         "L": length,
@@ -256,7 +262,8 @@ def _units(directory):
         "M": mass + across,
         "M/L\u00b3": f"{mass}/{length}\u00b3",
         "V": length + power[dimension],
-        "S": PRESSURES.get(", ".join(parts), f"{mass}/({length} {time}\u00b2)"),
+        "S": stress,
+        "SL": f"{stress} {length}",
     }
 
 

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, Field
 
-from pgimp.physics.columns import GRID
+from pgimp.physics.columns import GRID, SURFACE
 from pgimp.physics.derived import COMPUTED, DERIVED, OF_STRESS
 from pgimp.physics.fields import ALWAYS, OPTIONAL, PREFIX
 from pgimp.schema.base import Count, Interval, Model, Name, NonNegative, Positive, Steps, Vector
@@ -51,9 +51,13 @@ def _quantity(value: str) -> str:
     return value
 
 
-def _known(value: str, names: Mapping[str, object]) -> str:
+def _on_surface(value: str) -> str:
+    return _known(value, SURFACE, "quantity of surfaces")
+
+
+def _known(value: str, names: Mapping[str, object], what: str = "derived field") -> str:
     if value not in names:
-        raise problem(unknown("derived field", value, names))
+        raise problem(unknown(what, value, names))
     return value
 
 
@@ -74,6 +78,10 @@ GridName = Annotated[
 ]
 """Name of a quantity of the grid that frames may hold."""
 
+SurfaceName = Annotated[
+    str, AfterValidator(_on_surface), Field(strict=True, json_schema_extra={"enum": [*SURFACE]})
+]
+"""Name of a quantity of surfaces that frames may hold."""
 
 DerivedName = Annotated[
     str,
@@ -112,6 +120,11 @@ class Output(Model):
         default=(),
         description="what frames of the grid hold, which come with those of the particles: its "
         "cells with particles, for grid.xdmf; none: there are no such frames",
+    )
+    surface: Annotated[tuple[SurfaceName, ...], AfterValidator(_unique)] = Field(
+        default=(),
+        description="what frames of surfaces hold, which come with those of the particles: the "
+        "surfaces of bodies that meet by them, for surface.vtkhdf; none: there are no such frames",
     )
     precision: Literal["float64", "float32"] = Field(
         default="float64",

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from pgimp.errors import UsageError
-from pgimp.io.results.gridreader import grid_differences, grid_frames
+from pgimp.io.results.gridreader import grid_differences, grid_frames, surface_frames
 from pgimp.io.results.pairs import Pair
 from pgimp.io.results.reader import Frame, Run
 from pgimp.io.results.tolerance import Tolerance, moments, tables, worst_of
@@ -21,6 +21,7 @@ Array = np.ndarray
 
 _BLOCK_ROWS = 1 << 17
 _MOST_LINES = 20
+_MESHES = {"frames of the grid": grid_frames, "frames of surfaces": surface_frames}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -81,6 +82,8 @@ def execute(args: argparse.Namespace) -> int:
     grids = len(grid_frames(first.path)) if grid_frames(second.path) else 0
     more = f", {probes} probe{'s' if probes > 1 else ''}" if probes else ""
     more += f", {grids} frames of the grid" if grids else ""
+    surfaces = len(surface_frames(first.path)) if surface_frames(second.path) else 0
+    more += f", {surfaces} frames of surfaces" if surfaces else ""
     exactly = "bit for bit" if tolerance == Tolerance() else f"within {_words(tolerance)}"
     print(
         f"{args.first} and {args.second} are the same {exactly}: {len(first)} frames of "
@@ -103,7 +106,8 @@ def differences(first: Run, second: Run, tolerance: Tolerance | None = None) -> 
     ------
     str
         A line per difference: in the numbers of frames; in each common frame in the ids, and in
-        the fields of common particles; in the history; in common probes and frames of the grid.
+        the fields of common particles; in the history; in common probes, and frames of the grid
+        and of surfaces.
 
     Raises
     ------
@@ -130,15 +134,16 @@ def differences(first: Run, second: Run, tolerance: Tolerance | None = None) -> 
     probes = first.probes, second.probes
     for name in sorted(probes[0].keys() & probes[1].keys()):
         yield from tables(f"{PROBES}/{name}.csv", probes[0][name], probes[1][name], tolerance)
-    grids = grid_frames(first.path), grid_frames(second.path)
-    if all(grids):
-        yield from _missing("frames of the grid", (first, second), grids)
-    for number in sorted(grids[0].keys() & grids[1].keys()):
-        yield from grid_differences(grids[0][number], grids[1][number], tolerance)
+    for what, found in _MESHES.items():
+        meshes = found(first.path), found(second.path)
+        if all(meshes):
+            yield from _missing(what, (first, second), meshes)
+        for number in sorted(meshes[0].keys() & meshes[1].keys()):
+            yield from grid_differences(meshes[0][number], meshes[1][number], tolerance)
 
 
 def only_in_one(first: Run, second: Run) -> Iterator[str]:
-    """Yield parts of only one run, which are not compared: probes, frames of the grid.
+    """Yield parts of only one run, which are not compared: probes, frames of grid and surfaces.
 
     The particles may nevertheless be the same.
     """
@@ -147,8 +152,9 @@ def only_in_one(first: Run, second: Run) -> Iterator[str]:
         if names:
             what = "probe" if len(names) == 1 else "probes"
             yield f"only {one.path} has the {what} {', '.join(names)}"
-        if grid_frames(one.path) and not grid_frames(other.path):
-            yield f"only {one.path} has frames of the grid"
+        for what, found in _MESHES.items():
+            if found(one.path) and not found(other.path):
+                yield f"only {one.path} has {what}"
 
 
 def _missing(

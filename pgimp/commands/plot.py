@@ -15,7 +15,7 @@ from pgimp.utilities.plot.curves.spectra import band
 from pgimp.utilities.plot.look import Look, look, planes, rate, revolved, settings
 from pgimp.utilities.plot.look import add_arguments as add_looks
 from pgimp.utilities.plot.output import MOVIES, output_path, rendered, write
-from pgimp.utilities.plot.runs import AXES, PlotRun, every_snapshot, open_runs, snapshots
+from pgimp.utilities.plot.runs import AXES, PlotFrame, PlotRun, every_snapshot, open_runs, snapshots
 from pgimp.utilities.plot.tables import Table
 from pgimp.utilities.plot.words import limits, listed, numbers
 
@@ -31,6 +31,7 @@ _PICTURE_ONLY = (
 _CURVES_ONLY = (
     "columns", "x", "probe", "factor", "factor_x", "over", "mean", "fft", "frequencies", "between",
 )  # fmt: skip
+_NOT_OF_SURFACES = ("field", "slice", "at", "mirror", "contours", "outline", "revolve", "panels")
 _LONGEST_NAME = 120
 
 
@@ -63,6 +64,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--field",
         metavar="NAME",
         help="field or component: von-mises, stress.xx, velocity (its magnitude), velocity.x",
+    )
+    frame.add_argument(
+        "--surface",
+        metavar="NAME",
+        help="instead: a quantity of surfaces that meet, such as contact-pressure or traction.x: "
+        "in 2D over the length of the outline, or --along an axis, in 3D as a map",
     )
     frame.add_argument(
         "--frame", metavar="INDEX,...", help="which frames; -1, the default, is the last"
@@ -164,7 +171,7 @@ def execute(args: argparse.Namespace) -> int:
 
 
 def _wants_frame(args: argparse.Namespace) -> bool:
-    names = ("field", "frame", "time", "body", "along", "at", *_PICTURE_ONLY)
+    names = ("field", "surface", "frame", "time", "body", "along", "at", *_PICTURE_ONLY)
     return any(getattr(args, name) is not None for name in names)
 
 
@@ -176,6 +183,9 @@ def _check(args: argparse.Namespace) -> None:
             raise UsageError(f"--{first} and --{second} do not go together")
     if args.at is not None and args.along is None:
         raise UsageError("--at is for a line: give --along too, or cut a slice with --slice")
+    for name in _NOT_OF_SURFACES if args.surface is not None else ():
+        if getattr(args, name) is not None:
+            raise UsageError(f"--{name} is for particles, not for --surface")
     if _wants_frame(args):
         for name in _CURVES_ONLY:
             if getattr(args, name) not in (None, False):
@@ -197,6 +207,8 @@ def _frame(
     places = numbers(args.frame, "--frame", int) or ([] if times else [-1])
     chosen = snapshots(runs, places, times)
     dimension = chosen[0].shown.dimension
+    if args.surface is not None:
+        return _surface(args, chosen)
     first = quantity(args.field, chosen[0].frame, dimension)
     quantities = [quantity(first.text, snapshot.frame, dimension) for snapshot in chosen]
     bodies = tuple(listed(args.body))
@@ -222,6 +234,34 @@ def _frame(
         label = first.text
     which = "-".join(str(number) for number in dict.fromkeys(s.frame.number for s in chosen))
     return figure, table, remarks, f"{label}-{which}"
+
+
+def _surface(
+    args: argparse.Namespace, chosen: Sequence[PlotFrame]
+) -> tuple[Figure, Table, list[str], str]:
+    """Draw a quantity of surfaces."""
+    from pgimp.utilities.plot.surface import curves_of_surfaces, map_of_surfaces
+
+    shown, bodies, name = chosen[0].shown, listed(args.body), args.surface
+    if shown.dimension == 1:
+        raise UsageError("--surface: in 1D a surface is a point; contact.* of the history has it")
+    if shown.dimension == 3:
+        if len(chosen) > 1 or args.along is not None:
+            raise UsageError("--surface: in 3D it is a map of one frame")
+        _, view, seen = _seen(args, shown)
+        figure, table = map_of_surfaces(chosen[0], name, bodies, view, seen)
+    else:
+        if args.along not in (None, *AXES[:2]):
+            raise UsageError(f"--along {args.along}: the axes are x, y")
+        axis = None if args.along is None else AXES.index(args.along)
+        figure, table = curves_of_surfaces(chosen, name, bodies, axis)
+        seen = look(args, None)
+        if seen.title:
+            figure.axes[0].set_title(seen.title, fontsize="medium")
+        if seen.width:
+            figure.set_figwidth(seen.width)
+    which = "-".join(str(number) for number in dict.fromkeys(s.frame.number for s in chosen))
+    return figure, table, [], f"{name}-{which}"
 
 
 def _seen(args: argparse.Namespace, shown: PlotRun) -> tuple[Selection, Camera, Look]:

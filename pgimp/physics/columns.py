@@ -41,6 +41,18 @@ GRID: dict[str, Vertex] = {
 }  # fmt: skip
 """What ``output.grid`` may name, at the vertices."""
 
+SURFACE: dict[str, str] = {
+    "contact-pressure": "force along the normals of contact on the surface, over its area, mean "
+    "since the frame before; negative where it adheres [stress]",
+    "traction": "force of contact on the surface, over its area, mean since the frame before "
+    "[stress]",
+    "gap": "distance to the other body, negative where they overlap; nan where none is near, and "
+    "in the first frame [length]",
+    "slip": "way that other bodies slid along it while they pressed, since the start [length]",
+    "wear-work": "heat of friction there since the start, over the area [stress length]",
+}
+"""What ``output.surface`` may name, at the facets of surfaces."""
+
 #: Fields of the particle that a material point follows, after time and step and before states.
 FOLLOWED = tuple(
     "position displacement velocity stress strain pressure von-mises volume density".split()

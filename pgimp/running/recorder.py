@@ -14,9 +14,10 @@ from pgimp.io.rundir.rundir import RunDirectory
 from pgimp.mpi.collective import on_root
 from pgimp.running.checkpoints import About, Checkpoints
 from pgimp.running.frames import Frames
-from pgimp.running.gridframes import GridFrames
+from pgimp.running.meshes.gridframes import GridFrames
+from pgimp.running.meshes.rigidframes import RigidFrames
+from pgimp.running.meshes.surfaceframes import SurfaceFrames
 from pgimp.running.probes import Probes
-from pgimp.running.rigidframes import RigidFrames
 from pgimp.running.schedule import Schedule
 from pgimp.solver.reduction import Request
 from pgimp.solver.start.validate_stages import absent
@@ -44,6 +45,8 @@ class Recorder:
         GridFrames.
     rigid
         RigidFrames.
+    surface
+        SurfaceFrames.
     seconds : dict of str to float
         Time of this rank for each; the grid's frames count as frames, probes as history.
     """
@@ -55,6 +58,7 @@ class Recorder:
         self.frames = Frames(directory.path, case, sim)
         self.grid = GridFrames(directory.path, case, sim)
         self.rigid = RigidFrames(directory.path, case, sim)
+        self.surface = SurfaceFrames(directory.path, case, sim)
         self.history = History(directory.path / "history.csv")
         self.probes = Probes(directory.path, case, sim)
         self.checkpoints = Checkpoints(directory.path, whole, sim)
@@ -64,7 +68,7 @@ class Recorder:
 
     @property
     def _series(self) -> tuple[Series, ...]:
-        return self.frames, self.grid, self.rigid
+        return self.frames, self.grid, self.rigid, self.surface
 
     def begin(self) -> None:
         """Write the initial state; collective.

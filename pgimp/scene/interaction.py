@@ -53,6 +53,7 @@ class Interaction:
             case.bodies, case.method, case.geometry, case.boundaries
         ):
             self.rigid_bodies.meeting = self._rigid_pairs(case)
+            self.rigid_bodies.meets_walls = True
         of_body = np.array(materials.body_material, np.int64)
         flows = SceneFlows(case, materials.entries, of_body, current, domain.faces, self.pairs)
         self.flows = flows if flows.rates.any() else None

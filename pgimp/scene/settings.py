@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from pgimp.case.checks.exact_surfaces import exact_surfaces
+from pgimp.case.checks.rigid_bodies import meet_by_surfaces
 from pgimp.case.escape import exits_of
 from pgimp.case.schema import Case
 from pgimp.physics.shapes.parts import PartParameters
@@ -30,6 +31,8 @@ class Settings:
         surface; in contact, at current positions, their particles are cut boxes as others.
     exact_surfaces : (bodies,) bool
         Which bodies are exact to their surface.
+    by_surfaces : bool
+        Whether bodies that meet do so by their own surfaces.
     follows : bool
         Whether supports follow the deformation.
     exact : NamedTuple or ()
@@ -59,6 +62,8 @@ class Settings:
         self.mixed = bool(self.lagrangian.any()) and not self.initial
         method = case.method
         self.exact_surfaces = np.array(exact_surfaces(case), bool)
+        by = case.bodies, method, case.geometry, case.boundaries
+        self.by_surfaces = meet_by_surfaces(*by)
         self.shape = (method.fixed if self.initial else method.parameters)(tuple(case.grid.cell))
         self.uncut = self.shape
         if self.exact_surfaces.any():  # whole particles have the same weights

@@ -141,7 +141,9 @@ class Rank:
     def _equip(self) -> None:
         """Make what the scene needs beside grid and particles; parts go on from those before."""
         scene, comm = self.scene, self.comm
-        self.contact = contact_kind(scene)(scene, comm)
+        before, self.contact = getattr(self, "contact", None), contact_kind(scene)(scene, comm)
+        if before:
+            self.contact.follow(before)
         self.clearances = Clearances(scene)
         for name, make in PARTS.items():
             setattr(self, name, make(scene, comm, getattr(self, name, None)))
@@ -164,12 +166,14 @@ class Rank:
         outflow = (bodies, scene.materials.sums) if settings.escapes else (0, 0)
         constraints = len(scene.interaction.loads.booked_constraints)
         contacts = len(scene.interaction.pairs.kind) if scene.interaction.pairs else 0
+        placed = contacts if scene.settings.by_surfaces else 0
         self.ledger = Ledger.empty(
             self.grid.planes, len(scene.domain.faces), constraints, outflow, contacts,
             len(scene.interaction.rigid_bodies),
             (bodies if scene.interaction.flows else 0,
              DAMPED if settings.damps or settings.settles else 0,
-             len(flux_gauges(scene.case.gauges)), len(scene.interaction.loads.booked_tractions)),
+             len(flux_gauges(scene.case.gauges)), len(scene.interaction.loads.booked_tractions),
+             placed),
         )  # fmt: skip
 
     def lattice_cells(self) -> LatticeCells:

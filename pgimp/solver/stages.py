@@ -15,7 +15,7 @@ from pgimp.case.checks.stages import reselects
 from pgimp.case.gauges import flux_gauges
 from pgimp.errors import CaseError, RunError
 from pgimp.kernels.data.arguments import Order
-from pgimp.kernels.data.ledger import TAKEN, Ledger
+from pgimp.kernels.data.ledger import PLACES, TAKEN, Ledger
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.sums.sums import STRAIN, SUMS
 from pgimp.physics.loads.surfaces import surface_width
@@ -207,6 +207,7 @@ def _forces(scene: Scene) -> list[Hashable]:
         "constraint": constraints,
         "traction": tractions,
         "contact": contact,
+        "place": _placed(scene, contact),
         "flux": fluxes,
         "impulse": rigid_bodies,
         "moment": rigid_bodies,
@@ -224,6 +225,12 @@ def _booked(scene: Scene) -> tuple[list[Hashable], ...]:
     loads = scene.interaction.loads
     held, pulled = loads.booked_constraints, loads.booked_tractions
     return faces, held, pulled, contact, list(scene.interaction.rigid_bodies.names)
+
+
+def _placed(scene: Scene, contact: list[Hashable]) -> list[Hashable]:
+    """Names of the rows of `Ledger.contact_moments`."""
+    places = PLACES * scene.settings.by_surfaces
+    return [(name, row) for name in contact for row in range(places)]
 
 
 def _rows(old: Sequence[Hashable], new: Sequence[Hashable], values: np.ndarray) -> np.ndarray:
@@ -248,6 +255,7 @@ def _take_over(old: Scene, new: Scene, had: Ledger, has: Ledger) -> None:
         "traction_impulse": tractions,
         "wall_energy": faces,
         "contact": contact,
+        "contact_moments": (_placed(old, contact[0]), _placed(new, contact[1])),
         "rigid_bodies": rigid_bodies,
     }
     for name, (before, after) in kinds.items():

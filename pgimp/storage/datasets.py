@@ -6,7 +6,7 @@ import ctypes
 import errno
 import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -75,6 +75,7 @@ def lay_out(
     whole: Mapping[str, Array] = _NONE,
     user_block: int = 0,
     more: Callable[[Any], None] | None = None,
+    of_cells: Sequence[Dataset] = (),
 ) -> Layout:
     """Lay out a file.
 
@@ -92,6 +93,8 @@ def lay_out(
         Zero bytes before HDF5's own: none, or a power of two from 512 on.
     more : callable, optional
         Adds what else the file has, given the open h5py.File: metadata and small datasets.
+    of_cells : sequence of Dataset
+        Datasets with a row for each row of `whole["connectivity"]`.
 
     Returns
     -------
@@ -105,6 +108,7 @@ def lay_out(
     properties.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
     properties.set_obj_track_times(False)
     shapes = [(dataset, (count, *dataset.tail)) for dataset in datasets]
+    shapes += [(each, (len(whole["connectivity"]), *each.tail)) for each in of_cells]
     shapes += [(Dataset(name, array.dtype.str, ()), array.shape) for name, array in whole.items()]
     offsets, image = {}, Image()
     with open_file(image, "w", userblock_size=user_block) as file:

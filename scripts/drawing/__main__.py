@@ -48,7 +48,7 @@ from lessons import (
     tutorial_own_material,
 )
 from looking import block3d, block3d_initial, block3d_paraview
-from meeting import corner, drum, hertz, hertz_line
+from meeting import brake_pad, corner, drum, hertz, hertz_line
 from metal import plate_impact, taylor_bar, thick_tube
 from rings import cone, revolved_disk, taylor_axisymmetric, taylor_contours, tube
 from rolls import rolling, rolling_ball
@@ -56,8 +56,9 @@ from scenes import bar_vibration, disks, graded, hopkinson, incline, pile, upset
 from studies.harness import chosen
 
 PICTURES = {function.__name__.replace("_", "-"): function for function in (
-    compaction, block3d, block3d_initial, block3d_paraview, disks, rolling, rolling_ball, incline,
-    upsetting, pile, hopkinson, hertz, hertz_line, corner, drum, bar_vibration, shock, plate_impact,
+    compaction, block3d, block3d_initial, block3d_paraview, disks, rolling, brake_pad,
+    rolling_ball, incline, upsetting, pile, hopkinson, hertz, hertz_line, corner, drum,
+    bar_vibration, shock, plate_impact,
     taylor_bar, taylor_axisymmetric, taylor_contours, thick_tube, tube, vortex, spinning_block,
     plane_waves, sod, channel, poiseuille, bagnold, sand_column, slope, graded, excavation, safety,
     footing, cavity, cone, tunnel, shaking, shaken_slope, dam_break, jet, hopper, gate, blast, nut,

@@ -193,3 +193,35 @@ def drum(redraw):
     right.legend(loc="lower right")
     print(f"pictures: greatest angle {surface_angles(results).max():.1f} degrees")
     save(figure, "drum")
+
+
+def brake_pad(redraw):
+    """The pad coloured by stress on its rail, and pressure, slip and wear along its face."""
+    results = run("brake-pad", redraw)
+    frame = results.frame(-1)
+    path = results.path / "frames" / frame.path.name.replace("particles", "surface")
+    with h5py.File(path) as file:
+        face = (file["body"][:] == 0) & (file["normal"][:, 1] < -0.5)
+        cells = file["connectivity"][:][face]
+        x = 1e3 * file["position"][:][cells].mean(axis=1)[:, 0]
+        shown = {
+            "contact pressure [kPa]": 1e-3 * file["contact-pressure"][:][face],
+            "slip [mm]": 1e3 * file["slip"][:][face],
+            "work of friction [J/m\u00b2]": file["wear-work"][:][face],
+        }
+    order = np.argsort(x)
+    figure = plt.figure(figsize=(9, 5.4))
+    above, below = figure.subfigures(2, 1, height_ratios=(1.0, 1.1))
+    axis = above.subplots(subplot_kw={"aspect": "equal"})
+    stress = -1e-3 * frame["stress"][:, 1]
+    drawn = boxes(axis, 1e3 * frame["position"], 1e3 * frame["radius"], stress, (0.0, 60.0))
+    axis.axhspan(0.0, 4.1, color=GREY, alpha=0.5)
+    axis.set(xlim=(4, 56), ylim=(0, 21), xlabel="x [mm]", ylabel="y [mm]")
+    axis.annotate("", (22, 2), (34, 2), arrowprops={"arrowstyle": "->"})
+    above.colorbar(drawn, ax=axis, label="-stress.yy [kPa]", extend="both", shrink=0.9)
+    for each, (name, values) in zip(below.subplots(1, 3), shown.items(), strict=True):
+        each.plot(x[order], values[order], color=BLUE, lw=1.2)
+        each.set(xlabel="x [mm]", title=name)
+        each.title.set_fontsize(10)
+        each.set_ylim(bottom=min(0.0, values.min()))
+    save(figure, "brake-pad")

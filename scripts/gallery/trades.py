@@ -3,7 +3,7 @@
 TRADES = {
     "Solids and impact": (
         "block3d", "disks", "rolling", "rolling-ball", "incline", "upsetting", "pile",
-        "hopkinson", "hertz", "hertz-line", "corner", "bar-vibration", "tube", "shock",
+        "hopkinson", "hertz", "hertz-line", "brake-pad", "corner", "bar-vibration", "tube", "shock",
         "own/spinning-disk", "geometry/nut",
     ),
     "Metals": ("taylor-bar", "taylor-axisymmetric", "plate-impact", "thick-tube"),

@@ -83,3 +83,13 @@ def test_the_older_word_is_refused_where_cells_cannot_be_exact():
     body = BALL | INITIAL | {"surface": "exact"}
     with pytest.raises(ValidationError, match="surface: cut"):
         Case.model_validate(scene(2, body, shape="bspline-quadratic"))
+
+
+def test_the_older_word_gives_the_bits_of_cut():
+    found = []
+    for surface in ("cut", "exact"):
+        body = BALL | INITIAL | {"surface": surface, "velocity": [0.3, 0.1]}
+        sim = finish(start(scene(2, body, boundaries={"x-max": "slip"}, end=0.2)))
+        assert len(sim.rank.slaves.keys) > 2
+        found.append(sim.particles.x[sim.live()])
+    np.testing.assert_array_equal(*found)

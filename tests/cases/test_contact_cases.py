@@ -46,6 +46,27 @@ def test_disks_collide_and_part(runs):
 
 
 @pytest.mark.wide
+def test_brake_pad_slides_and_wears(runs):
+    """On four cells over its height: friction, and its heat as the work on either surface."""
+    results = runs("brake-pad")
+    history = results.history
+    late = history["time"] > 0.01
+    along, across = (history[f"contact.pad+rail-{axis}"][late] for axis in "xy")
+    assert -along / across == pytest.approx(0.3, rel=0.02)
+    with h5py.File(results.path / "frames" / f"surface-{len(results) - 1:06d}.h5") as file:
+        body, work, area = (file[name][:] for name in ("body", "wear-work", "area"))
+        normal, pressure = file["normal"][:, 1], file["contact-pressure"][:]
+        x = file["position"][:][file["connectivity"][:]].mean(axis=1)[:, 0]
+    for number in (0, 1):
+        heat = (work * area)[body == number].sum()
+        assert heat == pytest.approx(history["contact.pad+rail.friction-heat"][-1], rel=1e-10)
+    face = (body == 0) & (normal < -0.5)
+    middle = np.median(pressure[face])
+    assert pressure[face][np.argmax(x[face])] > 1.3 * middle > 0.0
+    assert pressure[face][np.argmin(x[face])] < 0.5 * middle
+
+
+@pytest.mark.wide
 def test_cylinder_slides_and_rolls(runs):
     """A radius of four cells: a third of the velocity goes, and a third of the energy is heat."""
     history = runs("rolling").history

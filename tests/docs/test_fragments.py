@@ -100,6 +100,7 @@ FRAGMENTS = (
     ("young:\n", lambda: scene(2), ("materials", "rubber")),
     ("boundaries:\n  x-min: periodic", lambda: scene(2), ()),
     ("output:\n  fields: [unwrapped", lambda: file_of("plane-waves"), ()),
+    ("output:\n  every: 0.1\n  surface:", lambda: file_of("brake-pad"), ()),
     ("gravity: [{sine", lambda: scene(2), ()),
     ("boundaries:\n  y-min:\n    velocity:", lambda: scene(2), ()),
     ("bodies:                               # of a dam", ground, ()),

@@ -53,6 +53,7 @@ GO_ON = {
         "exact_means",
         "exact_round",
         "exact_rings",
+        "exact_skins",
         "initial_stages",
         "initial_contact",
         "surface_contact",

@@ -6,10 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scenes import box, energy, scene, start
+from scenes import box, energy, scene
 from studies.hard import courant, rows, table
 from studies.hard.runs import BOUND, CASES, begin, watch
 from studies.initial import vertices
+from studies.scenes import core
 
 from pgimp.case.stepping.courant import VERTEX_LIMITS
 from pgimp.physics.shapes import SHAPES
@@ -126,13 +127,13 @@ def test_largest_stable_courant_number(shape, per_cell, low, high):
 
 @pytest.mark.parametrize("part", [0.98, 1.02])
 def test_vertices_bear_steps_up_to_their_limit(part):
-    """In the initial configuration, of a block of four cells off the grid's lines."""
+    """In the initial configuration, of a block of four cells off the grid's lines, of boxes."""
     offset = [0.37, 0.81]
     low, high = ([4.0 + shift + more for shift in offset] for more in (0.0, 4.0))
-    body = box(low, high) | {"configuration": "initial"}
+    body = box(low, high) | {"configuration": "initial", "surface": "boxes"}
     wave = np.sqrt(100.0 * 0.7 / (1.3 * 0.4))
     step = part * vertices.box_limit({"shape": "gimp"}, offset, 2) / wave
-    sim = start(scene(2, body, cells=[12, 12], step=step, end=2000 * step))
+    sim = core(scene(2, body, cells=[12, 12], step=step, end=2000 * step))
     p, rows = sim.particles, sim.live()
     # Strains of far more than the rounding of energies.
     p.v[rows] = 1e-4 * np.random.default_rng(1).normal(size=p.v[rows].shape)

@@ -20,7 +20,7 @@ from pgimp.errors import RunError
 from pgimp.io.checkpoints.checkpointfile import write
 from pgimp.io.results.reader import Frame
 from pgimp.running.frames import Frames
-from pgimp.running.gridframes import GridFrames
+from pgimp.running.meshes.gridframes import GridFrames
 from pgimp.solver.state import grid_state
 from pgimp.storage import chunks, framefile
 from pgimp.storage.rows import _Exchange

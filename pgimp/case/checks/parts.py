@@ -32,7 +32,12 @@ from pgimp.case.checks.periodic import check_period, check_periodic_faces, check
 from pgimp.case.checks.places.gauges import check_gauges
 from pgimp.case.checks.places.probes import check_probes
 from pgimp.case.checks.regions import check_regions
-from pgimp.case.checks.rigid_bodies import check_adhesion, check_contact, check_rigid_bodies
+from pgimp.case.checks.rigid_bodies import (
+    check_adhesion,
+    check_contact,
+    check_rigid_bodies,
+    check_surface_output,
+)
 from pgimp.case.checks.variations import check_variations
 from pgimp.case.staging.arrivals import check_added
 from pgimp.case.staging.inflow import check_inflow
@@ -175,6 +180,7 @@ _CHECKS = (
     check_added,
     check_contact,
     check_adhesion,
+    check_surface_output,
     check_geostatic,
     check_water,
     check_parted,

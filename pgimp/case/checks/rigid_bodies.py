@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from pgimp.case.body import Body, may_be_exact
 from pgimp.case.checks.periodic import periodic_axes
 from pgimp.case.grid import Grid
+from pgimp.case.output import Output
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.contact.pairs import ContactEntry
 from pgimp.physics.loads.motion import RigidMotion
@@ -85,6 +86,15 @@ def check_contact(
     """Check that the entries of contact name bodies, and no pair twice."""
     body_names, soft = [*body_names, *rigid_bodies], set(body_names)
     by_surfaces = meet_by_surfaces(bodies, method, geometry, boundaries)
+    free = by_surfaces and any(body.free for body in rigid_bodies.values())
+    for face, condition in boundaries.items():
+        if getattr(condition, "restitution", 0.0) and not free:
+            text = (
+                "its restitution is of rigid bodies that move freely, of which none meets it here: "
+                "that takes scenes in which all others have `configuration: initial` and "
+                "`surface: cut`; leave it out"
+            )
+            yield Problem(("boundaries", face), text)
     needs = (
         "is for scenes in which all bodies have `configuration: initial` and `surface: cut`, in a "
         "shape no wider than cells, without an axis, periodic faces or particles from files"
@@ -111,10 +121,44 @@ def check_contact(
                 "these, or leave the entry out"
             )
             yield Problem(path, text)
+        yield from _restitution(i, entry, soft)
         for pair in sorted(pairs & set(earlier), key=sorted)[:1]:
             names = " and ".join(sorted(pair))
             yield Problem(path, f"entry {earlier[pair] + 1} has a law for {names} already")
         earlier |= dict.fromkeys(pairs, i)
+
+
+def check_surface_output(
+    output: Output,
+    contact: Sequence[ContactEntry],
+    bodies: Mapping[str, Body],
+    method: Shape,
+    geometry: str,
+    boundaries: Mapping[str, Boundary],
+) -> Problems:
+    """Check that there are surfaces that meet, if frames of these are asked for."""
+    if not output.surface:
+        return
+    path = "output", "surface"
+    if not meet_by_surfaces(bodies, method, geometry, boundaries):
+        text = (
+            "is for scenes whose bodies meet by their surfaces: give all of them `configuration: "
+            "initial` and cut cells, without an axis or periodic faces; or leave it out"
+        )
+        yield Problem(path, text)
+    elif not contact and not any(face.approaches for face in boundaries.values()):
+        yield Problem(path, "no bodies meet: name them under `contact`, or leave it out")
+
+
+def _restitution(i: int, entry: ContactEntry, soft: Collection[str]) -> Problems:
+    """Check that a coefficient of restitution is of rigid bodies only."""
+    some = [*soft] if entry.bodies == "all" else [name for name in entry.bodies if name in soft]
+    if entry.restitution and some:
+        text = (
+            f"is of rigid bodies with each other, and '{some[0]}' is of a material: how far it "
+            "rebounds, its waves say; give the rigid ones an entry of their own"
+        )
+        yield Problem(("contact", i, "restitution"), text)
 
 
 def check_adhesion(grid: Grid, contact: Sequence[ContactEntry]) -> Problems:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from pgimp.io.results.frame import FOR_READERS, Reading
+from pgimp.io.results.frame import FOR_READERS, Reading, cell_fields
 
 #: Kinds of fields by their number of columns; of others, a matrix.
 _KINDS = {0: "Scalar", 3: "Vector"}
@@ -35,6 +35,12 @@ class Mesh(NamedTuple):
     """Vertices of a cell."""
     fields: Mapping[str, Column]
     """By name, including `position`."""
+    of_cells: frozenset[str] = frozenset()
+    """Fields of cells; the others are of points."""
+
+    def rows(self, name: str) -> int:
+        """Return the number of rows of a field."""
+        return self.cells if name in self.of_cells else self.points
 
     @property
     def cut(self) -> bool:
@@ -43,7 +49,7 @@ class Mesh(NamedTuple):
 
     @property
     def series(self) -> str:
-        """Name of the frame's series: particles, grid or rigid."""
+        """Name of the frame's series: particles, grid, rigid or surface."""
         return self.path.stem.partition("-")[0]
 
     @property
@@ -76,4 +82,5 @@ def described(path: Path, first: Iterable[str] = ()) -> Mesh:
         cells = file["connectivity"].shape
         nodes = cells[1] if len(cells) == 2 else 1
         time, step = float(file.attrs["time"]), int(file.attrs["step"])
-        return Mesh(path, time, step, len(file["position"]), cells[0], nodes, columns(shapes))
+        points, of_cells = len(file["position"]), frozenset(cell_fields(file.attrs))
+        return Mesh(path, time, step, points, cells[0], nodes, columns(shapes), of_cells)

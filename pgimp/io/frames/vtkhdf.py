@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from pgimp.io.results.frame import cell_fields
 from pgimp.storage.chunks import compress
 from pgimp.storage.hdf5 import load_h5py
 
@@ -57,9 +58,12 @@ def add_group(file: Any) -> None:
         views.create()
     repeated(group, "Offsets", max(parts) + 1, nodes, cells + len(parts))
     cell_types(group, cells, nodes)
-    data = group.create_group("PointData")
+    of_cells = cell_fields(file.attrs)
+    data = {False: group.create_group("PointData")}
+    if of_cells:
+        data[True] = group.create_group("CellData")
     for name in names:
-        data[name] = file[name]
+        data[name in of_cells][name] = file[name]
 
 
 def cut_in_parts(count: int) -> list[int]:

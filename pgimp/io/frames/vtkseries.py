@@ -119,20 +119,28 @@ def _fill(group: Any, meshes: list[Mesh]) -> None:
         ("ConnectivityIdOffsets", ids[:, None]),
     ):
         vtkhdf.small(steps, name, values)
-    of_all = max(int(start) + mesh.points for start, mesh in zip(points, meshes, strict=True))
     files = [mesh.relative.encode() for mesh in meshes]
+    of_cells = meshes[0].of_cells
     data, offsets = group.create_group("PointData"), steps.create_group("PointDataOffsets")
+    if of_cells:
+        cell_data = group.create_group("CellData")
+        cell_offsets = steps.create_group("CellDataOffsets")
+        before = _before([mesh.cells for mesh in meshes])
     for name, (columns, dtype) in _fields(meshes).items():
-        fill = np.nan if dtype.kind == "f" else -1
+        fill, begin = np.nan if dtype.kind == "f" else -1, points
         where = (group, "Points") if name == "position" else (data, name)
-        views = vtkhdf.Views(*where, of_all, dtype, columns, fill)
-        for start, file, mesh in zip(points.tolist(), files, meshes, strict=True):
-            if name in mesh.fields and mesh.fields[name].columns == columns:
-                shape = (mesh.points, columns) if columns else (mesh.points,)
-                views.add(start, mesh.points, file, f"/{name}".encode(), shape)
-        views.create()
-        if name != "position":
+        if name in of_cells:
+            where, begin = (cell_data, name), before
+            vtkhdf.small(cell_offsets, name, before)
+        elif name != "position":
             offsets[name] = steps["PointOffsets"]
+        rows = [mesh.rows(name) for mesh in meshes]
+        views = vtkhdf.Views(*where, int(begin[-1]) + rows[-1], dtype, columns, fill)
+        for start, file, mesh, count in zip(begin.tolist(), files, meshes, rows, strict=True):
+            if name in mesh.fields and mesh.fields[name].columns == columns:
+                shape = (count, columns) if columns else (count,)
+                views.add(start, count, file, f"/{name}".encode(), shape)
+        views.create()
     if cut:
         vtkhdf.repeated(group, "Connectivity", period, 1, most)
     else:

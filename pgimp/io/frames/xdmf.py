@@ -86,8 +86,9 @@ def _grid(mesh: Mesh) -> str:
         if name == "position":
             continue
         lines += [
-            f'<Attribute Name="{escape(name)}" AttributeType="{field.kind}" Center="Node">',
-            _item(file, name, field.dtype, mesh.points, field.columns),
+            f'<Attribute Name="{escape(name)}" AttributeType="{field.kind}" '
+            f'Center="{"Cell" if name in mesh.of_cells else "Node"}">',
+            _item(file, name, field.dtype, mesh.rows(name), field.columns),
             "</Attribute>",
         ]
     return "\n".join([*lines, "</Grid>\n"])

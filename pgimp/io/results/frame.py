@@ -23,6 +23,14 @@ Array = np.ndarray
 #: The cells of XDMF, and the group of VTK: no fields.
 FOR_READERS = ("connectivity", "VTKHDF")
 
+#: Attribute of a frame's file with the names of its fields of cells.
+OF_CELLS = "cell-fields"
+
+
+def cell_fields(attributes: Any) -> list[str]:
+    """Names of the fields of cells, by the attributes of a frame's file."""
+    return [str(name) for name in attributes[OF_CELLS]] if OF_CELLS in attributes else []
+
 
 class Frame:
     """The particles at one time; ``frame["stress"]`` reads a field.

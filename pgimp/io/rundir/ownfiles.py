@@ -14,12 +14,15 @@ from pgimp.io.rundir.probefiles import PROBES, probe_file, probes_ever
 RUN = "run.json"
 REPORT = "report.html"
 _LISTS = tuple(
-    f"{name}.{kind}" for kind in ("xdmf", "vtkhdf") for name in ("particles", "grid", "rigid")
+    f"{name}.{kind}"
+    for kind in ("xdmf", "vtkhdf")
+    for name in ("particles", "grid", "rigid", "surface")
 )
 TOP = ("case.yaml", "input.yaml", *_LISTS, "history.csv", "log.txt", REPORT, RUN)
 FRAME = re.compile(r"particles-(\d{6,})\.h5")
 GRID_FRAME = re.compile(r"grid-(\d{6,})\.h5")
 RIGID_FRAME = re.compile(r"rigid-(\d{6,})\.h5")
+SURFACE_FRAME = re.compile(r"surface-(\d{6,})\.h5")
 FOLDERS = ("frames", "checkpoints")
 FAILURE = "failure"
 #: A file that marks the recorded failure of a run.
@@ -27,12 +30,15 @@ FAILED = ".failed"
 #: Files being written.
 PART = re.compile(
     r"\.(case\.yaml|input\.yaml|run\.json|report\.(txt|html)|particles\.h5|"
-    r"(particles|grid|rigid)\.(xdmf|vtkhdf)|(particles|grid|rigid|step)-\d+\.h5)\.part"
+    r"(particles|grid|rigid|surface)\.(xdmf|vtkhdf)|"
+    r"(particles|grid|rigid|surface|step)-\d+\.h5)\.part"
 )
 # Files that a run writes, by folder.
 _DATA = {
     "checkpoints": re.compile(r"step-\d{9,}\.h5(\.damaged)?"),
-    "frames": re.compile(f"{FRAME.pattern}|{GRID_FRAME.pattern}|{RIGID_FRAME.pattern}"),
+    "frames": re.compile(
+        "|".join(one.pattern for one in (FRAME, GRID_FRAME, RIGID_FRAME, SURFACE_FRAME))
+    ),
     FAILURE: re.compile(r"particles\.h5|particles\.xdmf|report\.txt"),
 }
 

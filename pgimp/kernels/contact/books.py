@@ -56,28 +56,32 @@ def book(contact, holding, at, pair, part, last, ledger, plane):
     booked[LOSS] += part * loss
     if last and row.normal_impulse != 0.0:
         booked[CONTACT_AREA] += row.area
-    book_rigid_bodies(contact, contact.rigid_bodies, x, pair, part, (u, v), ledger, plane)
+    booked[LOSS] += book_rigid_bodies(
+        contact, contact.rigid_bodies, x, pair, part, (u, v), ledger, plane
+    )
 
 
 @inlined
 def book_rigid_bodies(contact, rigid_bodies, x, pair, part, velocities, ledger, plane):
     """Book the impulse on a pair's rigid body, its moment, and its work on the other body.
 
-    `x` is the vertex's position; `velocities` has both ends of the pair.
+    `x` is the vertex's position; `velocities` has both ends of the pair. Returns the energy that
+    free rigid bodies lose at once.
     """
     if not is_record(rigid_bodies):
-        return None
+        return 0.0
+    every = 0.0
     row, (u, v), (a, b) = contact.pair_states[pair], velocities, fields_of(contact, pair)
-    for sign, end, w in ((-part, a, u), (part, b, v)):
-        if contact.fields[end].mass < inf:
-            continue
+    for sign, end, w, other, s in ((-part, a, u, b, v), (part, b, v, a, u)):
         t = contact.bodies[end] - rigid_bodies.bodies
+        if contact.fields[end].mass < inf or t >= len(rigid_bodies.motion):  # or a wall
+            continue
         booked, arm = ledger.rigid_bodies[plane, t], arm_of(rigid_bodies, t, x)
         J = (sign * impulse_of(row, 0), sign * impulse_of(row, 1), sign * impulse_of(row, 2))
         done = -(J[0] * w[0] + J[1] * w[1] + J[2] * w[2])
         lost = _lost(rigid_bodies, t, arm, J, w)
         done += lost
-        ledger.contact[plane, contact.ends[pair].law - 1, LOSS] += lost
+        every += lost + _lost_beside(contact, rigid_bodies, t, other, J, s)
         for d in range(3):
             e, f = (d + 1) % 3, (d + 2) % 3
             booked[RIGID_IMPULSE + d] += J[d]
@@ -85,6 +89,7 @@ def book_rigid_bodies(contact, rigid_bodies, x, pair, part, velocities, ledger, 
         booked[RIGID_WORK] += done
         ledger.work[plane] += done
         _take(rigid_bodies, t, plane, arm, J)
+    return every
 
 
 @inlined
@@ -104,6 +109,21 @@ def _lost(rigid_bodies, t, arm, J, w):
         before = former[d]
         before += former[3 + e] * arm[f] - former[3 + f] * arm[e]
         found += 0.5 * J[d] * (w[d] - before)
+    return found
+
+
+@inlined
+def _lost_beside(contact, rigid_bodies, t, other, J, w):
+    """As `_lost`, of the material that a free rigid body acts on, field `other`, with velocity `w`.
+
+    Bodies that stay in touch change their velocities alike: of both shares nothing is left then.
+    """
+    if not move_freely(rigid_bodies):
+        return 0.0
+    field, found = contact.fields[other], 0.0
+    if field.mass < inf and rigid_bodies.lattice[t].free >= 0:
+        for d in range(3):
+            found -= 0.5 * J[d] * (w[d] - field.velocity_before[d])
     return found
 
 

@@ -11,7 +11,7 @@ from pgimp.kernels.data.used_rows import fields_with, next_bit, rows_with
 from pgimp.kernels.data.velocity_fields import field_size
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.kernels.loads.loads import relaxed_part
-from pgimp.kernels.rigid.bodies import position_of
+from pgimp.kernels.rigid.bodies import move_freely, position_of
 
 
 @kernel
@@ -85,6 +85,7 @@ def _apply_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
                 if last:
                     field.G[offset + VELOCITY + d] += change
                     field.G[offset + ACCELERATION + d] += change / dt
+                    _set_before(contact, contact.rigid_bodies, a, d, field.G, dt)
                 else:
                     field.G[offset + MOMENTUM + d] += contact.fields[a].mass * change
         # Particles get a part of the first pass, by which they relax to the grid.
@@ -94,6 +95,15 @@ def _apply_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
             place = position_of(frame, number)
             for pair in range(pairs):
                 book(contact, holding, (number, place), pair, part, last, ledger, i)
+
+
+@inlined
+def _set_before(contact, rigid_bodies, a, d, G, dt):
+    """Set component `d` of a field's velocity before the step, for the books of free bodies."""
+    if move_freely(rigid_bodies):
+        field, b = contact.fields[a], G[contact.offsets[a] + ACCELERATION + d]
+        field.velocity_before[d] = field.velocity[d] - dt * b
+    return None
 
 
 @inner_kernel

@@ -10,6 +10,10 @@ import numpy as np
 #: tangential impulse; friction heat; energy lost in impacts; area.
 IMPULSE, NORMAL_IMPULSE, TANGENTIAL_IMPULSE, HEAT, LOSS, CONTACT_AREA, BOOKED = 0, 3, 4, 5, 6, 7, 8
 
+#: Rows of `Ledger.contact_moments`, for each entry: moment on the first body about the origin;
+#: normal impulse times place; normal impulse, once.
+MOMENT, PLACED, PRESSED, PLACES = 0, 1, 2, 3
+
 #: Columns of `Ledger.wall_energy`, for each face: heat of friction; energy lost in impacts.
 WALL_HEAT, WALL_LOSS, WALL_BOOKED = 0, 1, 2
 
@@ -57,6 +61,9 @@ class Ledger(NamedTuple):
     #: (planes, tractions, 3) float64: Impulse of each traction on a face, and then of each on a
     #: region's surface.
     traction_impulse: np.ndarray
+    #: (planes, PLACES entries, 3) float64: Where entries of contact act, of bodies that meet by
+    #: their surfaces; else (planes, 0, 3).
+    contact_moments: np.ndarray
 
     @classmethod
     def empty(
@@ -67,7 +74,7 @@ class Ledger(NamedTuple):
         escaped: tuple[int, int] = (0, 0),
         contacts: int = 0,
         rigid_bodies: int = 0,
-        others: tuple[int, int, int, int] = (0, 0, 0, 0),
+        others: tuple[int, int, int, int, int] = (0, 0, 0, 0, 0),
     ) -> Ledger:
         """Return the ledger of `planes` planes before the first step.
 
@@ -79,14 +86,15 @@ class Ledger(NamedTuple):
             Bodies and `SUMS`, where particles may leave.
         contacts : int
             Entries of contact.
-        others : (int, int, int, int)
-            Bodies, in scenes where any flows; `DAMPED` with damping; flux gauges; tractions.
+        others : (int, int, int, int, int)
+            Bodies, in scenes where any flows; `DAMPED` with damping; flux gauges; tractions;
+            entries of contact by surfaces.
         """
-        flows, damping, fluxes, tractions = others
+        flows, damping, fluxes, tractions, placed = others
         shapes = (
             (), (faces, 3), (faces,), (constraints, 3), (faces, WALL_BOOKED), (contacts, BOOKED),
             (rigid_bodies, TOOLED), escaped, (flows, VOLUMES), (damping,), (2 * fluxes, 3),
-            (tractions, 3),
+            (tractions, 3), (PLACES * placed, 3),
         )  # fmt: skip
         return cls(*(np.zeros((planes, *shape)) for shape in shapes))
 

@@ -1,13 +1,14 @@
 """A unilateral wall with friction: it stops bodies that move into it, and they part freely."""
 
 from math import sqrt
-from typing import ClassVar, NamedTuple
+from typing import Annotated, ClassVar, NamedTuple
 
 from pydantic import Field
 
 from pgimp.jit.kernel import kernel
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.contact.friction import AnyFriction, coefficients, coulomb_part
+from pgimp.schema.base import Number
 
 
 class SeparatingParameters(NamedTuple):
@@ -54,6 +55,12 @@ class Separating(Boundary):
     """Wall from which the material lifts off freely: a floor, a stop. It may have friction."""
 
     friction: AnyFriction = Field(default=0.0, description="coefficient of Coulomb's friction [1]")
+
+    restitution: Annotated[Number, Field(ge=0.0, le=1.0)] = Field(
+        default=0.0,
+        description="coefficient of restitution of rigid bodies that move freely; bodies of a "
+        "material rebound by their waves [1]",
+    )
 
     releases: ClassVar[bool] = True
     approaches: ClassVar[bool] = True

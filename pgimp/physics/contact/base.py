@@ -18,7 +18,7 @@ class ContactLaw(Model):
     kind: ClassVar[int] = UNILATERAL
 
     #: Keys of the entry that the law uses.
-    keys: ClassVar[tuple[str, ...]] = ("friction", "adhesion")
+    keys: ClassVar[tuple[str, ...]] = ("friction", "adhesion", "restitution")
 
     def parameters(self, entry: Any) -> NamedTuple:
         """Parameters of the kernels of a unilateral law, all numbers.

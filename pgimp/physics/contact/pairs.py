@@ -59,6 +59,11 @@ class ContactEntry(Model):
     adhesion: Adhesion | None = Field(
         default=None, description="how they hold each other where they touch; null: not at all"
     )
+    restitution: Annotated[Number, Field(ge=0.0, le=1.0)] = Field(
+        default=0.0,
+        description="coefficient of restitution of rigid bodies: their speed after an impact over "
+        "that before, along the normal; bodies of a material rebound by their waves [1]",
+    )
     itself: bool = Field(
         default=False,
         alias="self",
@@ -68,7 +73,11 @@ class ContactEntry(Model):
 
     @model_validator(mode="after")
     def _check(self) -> ContactEntry:
-        for key, given in (("friction", self.friction != 0.0), ("adhesion", self.adhesion)):
+        for key, given in (
+            ("friction", self.friction != 0.0),
+            ("adhesion", self.adhesion),
+            ("restitution", self.restitution),
+        ):
             if given and key not in self.law.keys:
                 name = name_of(self.law, LAWS)
                 text = f"bodies that are under the law '{name}' have no {key}; leave it out"

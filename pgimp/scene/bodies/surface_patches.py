@@ -20,7 +20,7 @@ from pgimp.scene.bodies.surfaces.boxes import Closed
 from pgimp.scene.bodies.surfaces.edges import FLAT, parted
 
 #: Least area of a facet, and of a patch that does not join another, over that of a cell's side.
-LEAST_FACET, LEAST_PATCH = 1e-6, 0.5
+LEAST_FACET, LEAST_PATCH = 1e-4, 0.5
 
 #: Least cosine between normals of patches that join.
 _ALIKE = 0.7

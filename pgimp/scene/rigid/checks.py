@@ -181,6 +181,8 @@ def collisions(
                 continue  # the axis
             if is_symmetry(face.name, face.condition, free, len(frame.cell)):
                 continue
+            if rigid_bodies.meets_walls and face.condition.approaches and not first:
+                continue
             wall = frame.origin[face.axis]
             if face.side > 0:
                 wall += frame.cells[face.axis] * frame.cell[face.axis]
@@ -238,8 +240,8 @@ def require_clear(
             return
         text = (
             f"reaches {depth:.3g} cells into {what}: rigid bodies that move freely feel bodies of "
-            "a material, and rigid ones with which they have an entry of `contact` if all bodies "
-            "have `configuration: initial` and `surface: cut`"
+            "a material; if all of these have `configuration: initial` and `surface: cut`, also "
+            "rigid ones with which they have an entry of `contact`, and walls that let go"
         )
         if number == 0:
             with located(rigid_bodies.case):

@@ -82,6 +82,7 @@ class SceneRigidBodies:
         self.ends: list[NDArray[np.float64]] = []
         #: Pairs of rigid bodies that act on each other, by their numbers.
         self.meeting: frozenset[frozenset[int]] = frozenset()
+        self.meets_walls = False  # those that let go
         self._kept: RigidBodies | None = None
         self._placed: dict[int, bytes] = {}
 

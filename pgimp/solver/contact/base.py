@@ -95,6 +95,17 @@ class NoContact:
     def restore_search(self, search: np.ndarray) -> None:
         """Continue with a `search` from a checkpoint, on every rank."""
 
+    @property
+    def surface_loads(self) -> np.ndarray:
+        """Loads on surfaces since the last frame, for checkpoints: of one rank, on others empty."""
+        return np.empty((0, 0))
+
+    def restore_loads(self, loads: np.ndarray) -> None:
+        """Continue with the `surface_loads` of a checkpoint, on every rank."""
+
+    def follow(self, before: NoContact) -> None:
+        """Go on from the contact of the stage before."""
+
     def detect(self, rank: RankState, t: Step, ledger: Ledger) -> None:
         """Find the contact vertices, after the halo exchange."""
 

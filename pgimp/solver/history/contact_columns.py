@@ -15,7 +15,7 @@ from pgimp.kernels.data.ledger import (
     WALL_LOSS,
 )
 from pgimp.scene.rigid.free_body import FreeBody, Six
-from pgimp.solver.history.totals import Column, Group
+from pgimp.solver.history.totals import Column, Group, entries_of_two
 
 if TYPE_CHECKING:
     from pgimp.scene.scene import Scene
@@ -40,6 +40,12 @@ def _taking(scene: Scene) -> list[int]:
         n for n, face in enumerate(scene.domain.faces) if face.condition.motion(0.0) is not None
     ]
     return sorted(_letting(scene) + holding)
+
+
+def _placed(scene: Scene) -> list[str]:
+    """Names of the entries of two bodies that meet by their surfaces."""
+    entries = entries_of_two(scene) if scene.settings.by_surfaces else []
+    return [scene.case.contact[k].name for k in entries]
 
 
 WALLS = (
@@ -88,8 +94,20 @@ MEETING = (
             "dissipated-energy, as friction-heat is",
             lambda s, k: s.contact[k, LOSS]),
         Column("contact.NAME.area", "length^(dimensions - 1)",
-            "area on which bodies pressed on each other in the last step",
+            "area on which bodies pressed on each other in the last step; by surfaces that of the "
+            "undeformed bodies",
             lambda s, k: s.contact[k, CONTACT_AREA]),
+    )),
+    Group(_placed, (
+        Column("contact.NAME.moment-AXIS", "force length",
+            "of bodies that meet by their surfaces, as the next column, for each entry that names "
+            "two: mean moment of the second on the first since the last line, about the origin of "
+            "the coordinates; about z alone in 2D, none in 1D",
+            lambda s, k: s.contact_moment(k)),
+        Column("contact.NAME.centre-AXIS", "length",
+            "centre of pressure: mean place of the normal forces since the last line; nan without "
+            "any",
+            lambda s, k: s.centre_of_pressure(k)),
     )),
     Group(lambda scene: scene.interaction.rigid_bodies.names, (
         Column("tool.NAME.force-AXIS", "force",

@@ -12,6 +12,7 @@ from pgimp.kernels.data.ledger import (
     BOOKED,
     DAMPED,
     IMPULSE,
+    PLACES,
     RIGID_IMPULSE,
     RIGID_MOMENT,
     TOOLED,
@@ -43,7 +44,7 @@ LOST = 0.02
 def _impulses(own: Ledger) -> np.ndarray:
     """Impulses by plane: of faces, constraints, tractions, contact and rigid bodies, and moments.
 
-    What crossed the surfaces of flux gauges, too: see `Totals.force`.
+    Where contact acts, and what crossed the surfaces of flux gauges, too: see `Totals.force`.
     """
     return np.concatenate(
         [
@@ -51,6 +52,7 @@ def _impulses(own: Ledger) -> np.ndarray:
             own.constraint_impulse,
             own.traction_impulse,
             own.contact[:, :, IMPULSE : IMPULSE + 3],
+            own.contact_moments,
             own.crossed,
             own.rigid_bodies[:, :, RIGID_IMPULSE : RIGID_IMPULSE + 3],
             own.rigid_bodies[:, :, RIGID_MOMENT : RIGID_MOMENT + 3],
@@ -85,7 +87,8 @@ def column_names(scene: Scene) -> list[str]:
     loads = scene.interaction.loads
     held = len(loads.booked_constraints) + len(loads.booked_tractions)
     crossed = 2 * len(flux_gauges(scene.case.gauges))
-    force = np.zeros((faces + held + len(contact) + crossed + 2 * len(rigid_bodies), 3))
+    touching = (1 + scene.settings.by_surfaces * PLACES) * len(contact)
+    force = np.zeros((faces + held + touching + crossed + 2 * len(rigid_bodies), 3))
     none = np.zeros(scene.materials.sums)
     bodies = np.zeros((len(scene.body_names), scene.materials.sums))
     errors, losses = np.zeros(ERRORS), np.zeros(len(LOSSES))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
+from pgimp.kernels.data.ledger import MOMENT, PLACED, PLACES, PRESSED
 from pgimp.kernels.sums.errors import VOLUME
 from pgimp.kernels.sums.sums import ANGULAR, SUMS
 from pgimp.physics.materials.base import LOSSES
@@ -18,6 +19,11 @@ if TYPE_CHECKING:
     from pgimp.scene.scene import Scene
 
 T = TypeVar("T")
+
+
+def entries_of_two(scene: Scene) -> list[int]:
+    """Numbers of the entries of contact that name two bodies."""
+    return [k for k, entry in enumerate(scene.case.contact) if len(entry.bodies) == 2]
 
 
 class Totals(NamedTuple):
@@ -45,8 +51,9 @@ class Totals(NamedTuple):
     work: float  #: External work since the start.
     #: (faces + constraints + turning + tractions + entries of contact + rows below, 3) float64:
     #: Mean force of each on the material since the last line, mean moment of each constraint that
-    #: turns. At the end two rows for each flux gauge: (mass, 0, 0) and momentum that left per time.
-    #: For rigid bodies mean forces on them, then mean moments.
+    #: turns. After contact the rows of `Ledger.contact_moments`, per time. At the end two rows for
+    #: each flux gauge: (mass, 0, 0) and momentum that left per time. For rigid bodies mean forces
+    #: on them, then mean moments.
     force: np.ndarray
     outside_mass: np.ndarray  #: (faces,) float64: Mass beyond each face in the last step.
     walls: np.ndarray  #: (faces, WALL_BOOKED) float64: Energy taken by each face.
@@ -93,9 +100,29 @@ class Totals(NamedTuple):
         """Return the force of an entry of contact, nothing for an entry of more than two bodies."""
         if len(self.scene.case.contact[k].bodies) != 2:
             return ()
+        return self.along(self.force[self._first_contact + k], 0)
+
+    @property
+    def _first_contact(self) -> int:
+        """Row of the force of the first entry of contact."""
         loads = self.scene.interaction.loads
         others = len(self.scene.domain.faces) + len(loads.booked_constraints)
-        return self.along(self.force[others + len(loads.booked_tractions) + k], 0)
+        return others + len(loads.booked_tractions)
+
+    def contact_moment(self, k: int) -> tuple[float | None, ...]:
+        """Return the moment of an entry of contact by surfaces that names two bodies."""
+        return self.about_axes(self.force[self._placed(k) + MOMENT])
+
+    def centre_of_pressure(self, k: int) -> np.ndarray:
+        """Return where the normal forces of such an entry act; nan without any."""
+        row = self._placed(k)
+        normal = self.force[row + PRESSED, 0]
+        return self.along(self.force[row + PLACED], 0) / (normal or np.nan)
+
+    def _placed(self, k: int) -> int:
+        """First row of the k-th entry of `Ledger.contact_moments` that names two bodies."""
+        number = entries_of_two(self.scene)[k]
+        return self._first_contact + len(self.contact) + PLACES * number
 
     def traction(self, k: int) -> np.ndarray:
         """Return the mean force of the k-th traction of the case."""

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 #: Datasets of a checkpoint.
 FIELDS, FORCES, SEARCH = "velocity-fields", "contact-forces", "contact-search"
+LOADS = "contact-loads"
 PUSHED = "contact-accelerations"
 
 #: Columns of the forces that are whole numbers, of vertices and bodies, and their bound.
@@ -50,6 +51,11 @@ def stored_contact(rank: Rank, source: CheckpointFile, read: Callable) -> dict[s
         found[SEARCH] = read(source, SEARCH, source.whole[SEARCH][1])
         if len(found[SEARCH]) < 8 or not np.isfinite(found[SEARCH]).all():
             raise DamagedError("its search for contact is none")
+    if contact.surface_loads.shape[1] and LOADS in source.whole:
+        shape = (*source.whole[LOADS][1][:1], contact.surface_loads.shape[1])
+        found[LOADS] = read(source, LOADS, shape)
+        if found[LOADS][0, 0] < 0.0:
+            raise DamagedError("the time of its loads on surfaces is none")
     if rank.averaged_mass and PUSHED in source.whole:
         found[PUSHED] = read(source, PUSHED, (*source.whole[PUSHED][1][:1], 7))
         if (np.ascontiguousarray(found[PUSHED][:, 0]).view(np.int64) < 0).any():
@@ -65,5 +71,7 @@ def restore_contact(rank: Rank, found: dict[str, np.ndarray]) -> None:
         rank.contact.restore_forces(found[FORCES])
     if SEARCH in found:
         rank.contact.restore_search(found[SEARCH])
+    if LOADS in found:
+        rank.contact.restore_loads(found[LOADS])
     if PUSHED in found:
         rank.averaged_mass.restore(found[PUSHED])

@@ -9,6 +9,7 @@ import numpy as np
 from pgimp.case.gauges import flux_gauges
 from pgimp.decomposition.slabs import Slab
 from pgimp.errors import DamagedError, UsageError
+from pgimp.kernels.data.ledger import PLACES
 from pgimp.kernels.data.particles import COLUMNS, Particles
 from pgimp.kernels.order.order import cell_numbers, locate
 from pgimp.mpi.collective import all_or_none
@@ -147,6 +148,7 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
         found |= stored_contact(rank, source, _whole)
         if state.last_line is not None:
             rows = len(scene.interaction.pairs.kind) if scene.interaction.pairs else 0
+            rows *= 1 + scene.settings.by_surfaces * PLACES
             rows += 2 * len(scene.interaction.rigid_bodies) + len(scene.domain.faces)
             rows += 2 * len(flux_gauges(scene.case.gauges))
             rows += len(scene.interaction.loads.booked_tractions)

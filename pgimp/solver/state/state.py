@@ -18,7 +18,7 @@ from pgimp.solver.damping.relaxation import Relaxation
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.lagrangian.pieces import source_at
 from pgimp.solver.rank import Rank
-from pgimp.solver.state.contact import FIELDS, FORCES, PUSHED, SEARCH
+from pgimp.solver.state.contact import FIELDS, FORCES, LOADS, PUSHED, SEARCH
 from pgimp.solver.state.stored_motion import MOTION, MOTION_PLANES, stored_motion
 from pgimp.solver.time.clock import CourantClock, FixedClock, Step
 from pgimp.solver.time.energy_watch import EnergyWatch
@@ -183,6 +183,7 @@ def capture(
             vertices,
             rank.contact.kept_forces,
             rank.contact.search,
+            rank.contact.surface_loads,
         )
     )
     if parts is None:
@@ -246,6 +247,7 @@ def capture(
     whole[FIELDS] = rank.contact.assignment
     whole[FORCES] = np.concatenate([part[4] for part in parts])
     whole[SEARCH] = np.concatenate([part[5] for part in parts])
+    whole[LOADS] = max((part[6] for part in parts), key=len)
     whole["gauge-lines"] = records.means.rows(rank.scene)
     if records.last:
         whole["last-impulse"], whole["last-force"] = records.last[1:]

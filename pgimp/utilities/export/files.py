@@ -12,7 +12,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from pgimp.errors import UsageError
-from pgimp.io.results.frame import FOR_READERS, Frame, Reading
+from pgimp.io.results.frame import FOR_READERS, Frame, Reading, cell_fields
 from pgimp.io.results.tables import absent
 from pgimp.physics.fields import FROM_STRESS, components_of
 from pgimp.storage.atomic import temporary, write
@@ -82,7 +82,7 @@ def _columns(fields: dict[str, Array]) -> dict[str, list[float]]:
 
 
 def grids(folder: Path, frames: Sequence[Frame], fields: Sequence[str]) -> Iterator[Path]:
-    """Write VTU files of the frames, with those of the grid and of rigid bodies; yield their paths.
+    """Write VTU files of the frames, with those of grid, rigid bodies, surfaces; yield the paths.
 
     A ``.pvd`` file lists the files of each kind with their times, for ParaView.
 
@@ -93,7 +93,7 @@ def grids(folder: Path, frames: Sequence[Frame], fields: Sequence[str]) -> Itera
     fields : sequence of str
         Fields of the particles; those of the frame, if there are none.
     """
-    for kind in ("particles", "grid", "rigid"):
+    for kind in ("particles", "grid", "rigid", "surface"):
         listed = []
         for frame in frames:
             source = frame.path.with_name(f"{kind}-{frame.path.stem.partition('-')[2]}.h5")
@@ -125,12 +125,14 @@ def _grid(source: Path, path: Path, fields: Sequence[str]) -> None:
     with Reading(source) as file:
         names = [name for name in file.names if name not in (*FOR_READERS, "position")]
         points, cells = file["position"][()], file["connectivity"][()]
+        of_cells = cell_fields(file.attrs)
         data = {
             name: values(name, names, lambda name: file[name][()]) for name in chosen(names, fields)
         }
     if cells.ndim == 1:
         cells = cells[:, None]
-    mesh = meshio.Mesh(points, [(_CELLS[cells.shape[1]], cells)], point_data=data)
+    cell_data = {name: [data.pop(name)] for name in of_cells}
+    mesh = meshio.Mesh(points, [(_CELLS[cells.shape[1]], cells)], data, cell_data)
     replace(path, lambda part: mesh.write(part, file_format="vtu"))
 
 

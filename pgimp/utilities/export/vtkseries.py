@@ -12,13 +12,15 @@ from pgimp.io.frames.mesh import described
 from pgimp.io.frames.vtkhdf import ROOT, add_group
 from pgimp.io.frames.vtkseries import VtkSeries
 from pgimp.io.results.frame import Reading
-from pgimp.io.rundir.ownfiles import FRAME, GRID_FRAME, RIGID_FRAME
+from pgimp.io.rundir.ownfiles import FRAME, GRID_FRAME, RIGID_FRAME, SURFACE_FRAME
 from pgimp.io.rundir.rundir import RunDirectory
 from pgimp.mpi.comm import Serial
 from pgimp.storage.atomic import publish, temporary
 from pgimp.storage.hdf5 import open_file
 
-_SERIES = {"particles": FRAME, "grid": GRID_FRAME, "rigid": RIGID_FRAME}
+_SERIES = {
+    "particles": FRAME, "grid": GRID_FRAME, "rigid": RIGID_FRAME, "surface": SURFACE_FRAME
+}  # fmt: skip
 
 
 def export(path: Path) -> Iterator[str]:

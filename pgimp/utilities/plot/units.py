@@ -80,7 +80,7 @@ def unit(kind: str, units: str, dimension: int) -> str:
 def kind_of_field(name: str) -> str:
     """Return the kind of a frame's field, empty if it has none."""
     known = fields.FIELDS.get(name)
-    return _bracketed(known.meaning) if known else ""
+    return _bracketed(known.meaning if known else columns.SURFACE.get(name, ""))
 
 
 def kind_of_column(name: str) -> str:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from pgimp.case.checks.exclusions.feature import Place
 from pgimp.case.checks.exclusions.table import EXCLUSIONS
 from pgimp.case.writer import flow
-from pgimp.physics.columns import GRID, PLACE, POINT, WHEN, Vertex
+from pgimp.physics.columns import GRID, PLACE, POINT, SURFACE, WHEN, Vertex
 from pgimp.physics.fields import ALWAYS, FAILURE, OPTIONAL, Field
 from pgimp.physics.variation import KINDS, VARIATION
 from pgimp.scene.checks.warned import WARNINGS
@@ -135,6 +135,14 @@ def reference() -> str:
         "A vertex has a `position` and, as `output.grid` asks for, what the particles of the\n"
         "frame of the same number give it as the next step begins; w is a particle's weight:\n",
         _fields(GRID),
+        "`frames/surface-NNNNNN.h5` has the surfaces of bodies that meet by them: points\n"
+        "(`position`) and cells (`connectivity`), lines in 2D, quadrilaterals in 3D. A cell has\n"
+        "its `body`, rigid ones after the others, `normal` and `area`, and, as `output.surface`\n"
+        "asks for:\n",
+        _table(
+            ("dataset", "meaning", "unit"),
+            ((_code(name), *_split(text)) for name, text in SURFACE.items()),
+        ),
         "When a particle stops the run, `failure/particles.h5` holds it and those around it, as\n"
         "they were computed, with all fields but `rank` and\n",
         _fields(FAILURE),

@@ -14,6 +14,7 @@ from PIL import Image
 
 from pgimp.io.results.reader import Frame
 from pgimp.mpi.comm import Serial
+from pgimp.physics.columns import SURFACE
 from pgimp.physics.fields import FIELDS
 from pgimp.running.frames import Frames
 from pgimp.utilities.plot.units import kind_of_field, unit
@@ -198,7 +199,7 @@ def test_units_are_those_of_plot(monkeypatch, tmp_path, dimension, units):
     spec.loader.exec_module(script)
     (tmp_path / "case.yaml").write_text(f"dimensions: {dimension}\nunits: {json.dumps(units)}\n")
     found = script._units(str(tmp_path))
-    for name in {*FIELDS} - {"position"}:
+    for name in {*FIELDS, *SURFACE} - {"position"}:
         wanted = unit(kind_of_field(name), units, dimension)
         wanted = wanted.replace("$^2$", "\u00b2").replace("$^3$", "\u00b3")
         assert found.get(script.KINDS.get(name), "") == wanted, name

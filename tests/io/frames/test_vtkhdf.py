@@ -9,8 +9,10 @@ import h5py
 import numpy as np
 import pytest
 from particle_source import make_case, make_sim, write_frames
+from pressed_blocks import on_a_plate, resting_block
 from processes import PROGRAMS
 from scenes import box, scene, write_case
+from tiers import wide
 from vtk_reference import save
 
 from pgimp.cli import main
@@ -179,6 +181,22 @@ def run(tmp_path_factory):
 
 def test_the_grid_and_rigid_bodies(run, same):
     assert same(run) == []
+
+
+@pytest.mark.parametrize("dimension", [2, wide(3)])
+def test_surfaces_that_meet(tmp_path, same, dimension):
+    """Their fields are of cells, lines or quadrilaterals that share points."""
+    case = resting_block(end=0.2)
+    if dimension == 3:
+        body = {"region": {"ball": {"centre": [4.1, 4.2, 4.9], "radius": 2.0}}}
+        plate = [1.0, 1.0, 1.0], [7.0, 7.0, 2.9], [0.0] * 3
+        case = on_a_plate(body, plate, [8, 8, 8], 0.2, 0.1, gravity=[0.0, 0.0, -10.0])
+    write_case(tmp_path / "case.yaml", case)
+    assert main([str(tmp_path / "case.yaml"), "-o", str(tmp_path / "out"), "--quiet"]) == 0
+    assert same(tmp_path / "out") == []
+    with h5py.File(tmp_path / "out" / "surface.vtkhdf") as file:
+        assert file["VTKHDF/Steps"].attrs["NSteps"] == 3
+        assert (file["VTKHDF/CellData/contact-pressure"][:] > 0.0).any()
 
 
 def test_a_resumed_run(run, tmp_path, same):

@@ -50,6 +50,7 @@ COARSER = {
     "hopkinson": ["grid.cell=[0.004]"],
     "hertz": ["grid.cell=[0.02,0.02,0.02]", "output.every=0.04"],
     "hertz-line": ["grid.cell=[4.8e-3,4.8e-3]"],
+    "brake-pad": ["grid.cell=[4.0e-3,4.0e-3]", "time.end=0.02"],
     "corner": ["grid.cell=[0.05,0.05]", "gravity.table.1.0=0.4", "time.end=0.6"],
     "drum": ["grid.cell=[0.024,0.024]", "time.end=0.1", "history.every={steps: 10}"],
     "sod": ["grid.cell=[0.005]", "output.every=0.1"],

@@ -50,10 +50,10 @@ def arrays(*readers):
         drawn.Update()
         if grid.GetNumberOfPoints():
             found.setdefault("position", []).append(arrays_of(grid.GetPoints().GetData()).copy())
-        data = grid.GetPointData()
-        for index in range(data.GetNumberOfArrays()):
-            array = data.GetArray(index)
-            found.setdefault(array.GetName(), []).append(arrays_of(array).copy())
+        for data in (grid.GetPointData(), grid.GetCellData()):
+            for index in range(data.GetNumberOfArrays()):
+                array = data.GetArray(index)
+                found.setdefault(array.GetName(), []).append(arrays_of(array).copy())
         cells = grid.GetNumberOfCells()
         if cells:
             numbers = arrays_of(grid.GetCells().GetConnectivityArray()).copy()
@@ -119,9 +119,10 @@ def single(reader, kind, times, frames):
     """Yield what differs if only one array is read, from the last frame to the first."""
     names = [name for name in frames[0] if name not in ("connectivity", "position")]
     for name in names:
-        chosen = reader.GetPointDataArraySelection()
-        chosen.DisableAllArrays()
-        chosen.EnableArray(name)
+        for chosen in (reader.GetPointDataArraySelection(), reader.GetCellDataArraySelection()):
+            chosen.DisableAllArrays()
+            if chosen.ArrayExists(name):
+                chosen.EnableArray(name)
         for time, frame in zip(times[::-1], frames[::-1], strict=True):
             if name not in frame or len(frame[name]) == 0:
                 continue

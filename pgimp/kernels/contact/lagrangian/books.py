@@ -5,14 +5,28 @@ and constraints bear their share, as for all forces there.
 """
 
 from pgimp.jit.kernel import inlined, inner_kernel, kernel
-from pgimp.kernels.contact.books import book, losses_of
+from pgimp.kernels.contact.books import book, book_rigid_bodies, losses_of
 from pgimp.kernels.contact.lagrangian.gauss_seidel import impulse_of, load_pair
-from pgimp.kernels.contact.lagrangian.reference_grid import key_bits, offset_of_key, turns
-from pgimp.kernels.data.ledger import CONTACT_AREA, WALL_HEAT, WALL_LOSS
+from pgimp.kernels.contact.lagrangian.reference_grid import (
+    OF_VELOCITY_BEFORE,
+    key_bits,
+    offset_of_key,
+    turns,
+)
+from pgimp.kernels.data.ledger import (
+    CONTACT_AREA,
+    MOMENT,
+    PLACED,
+    PLACES,
+    PRESSED,
+    WALL_HEAT,
+    WALL_LOSS,
+)
 from pgimp.kernels.data.record import ACCELERATION, MASS, RECORD, VELOCITY
 from pgimp.kernels.data.velocity_fields import field_count
 from pgimp.kernels.grid.conditions import Holding, hold
 from pgimp.kernels.loads.prescribed import add_moment, place_of
+from pgimp.kernels.rigid.bodies import move_freely
 
 
 @inner_kernel
@@ -85,12 +99,31 @@ def book_mirrored(contact_pairs, coupling, mirrors, ledger):
                         ledger.impulse[0, mirrors[n].face, d] -= 2.0 * sign * turned
 
 
+@inlined
+def _load_before(contact, rigid_bodies, end, coupling, values):
+    """Load the velocities before the step of a pair's ends that are no rigid bodies."""
+    if not move_freely(rigid_bodies):
+        return None
+    for a in range(2):
+        field = contact.fields[a]
+        for d in range(3):
+            field.velocity_before[d] = 0.0
+        r = max(end.rows[a], 0)
+        for k in range(coupling.start[r], coupling.start[r + 1] if end.rows[a] >= 0 else 0):
+            for d in range(3):
+                entry = coupling.entry[k, d if coupling.entry.shape[1] > 1 else 0]
+                before = values[coupling.column[k], OF_VELOCITY_BEFORE + d]
+                field.velocity_before[d] += entry * before
+
+
 @kernel
-def book_contacts(contact, free, contact_pairs, coupling, solved, walls, ledger):
+def book_contacts(contact, free, contact_pairs, coupling, solved, values, walls, ledger):
     """Book the exchanged impulses in the first plane of the grid, on this plane's owner.
 
     Parameters
     ----------
+    values : (m, NUMBERS) float64
+        The records of `ReferenceVertices`.
     walls : SeparatingWalls
         Impulses on them and their losses are booked as the faces'.
     """
@@ -104,12 +137,31 @@ def book_contacts(contact, free, contact_pairs, coupling, solved, walls, ledger)
             face, fields = walls.planes[wall].face, contact.fields
             for d in range(3):
                 ledger.impulse[0, face, d] += sign * impulse_of(row, d)
-            heat, loss = losses_of(row, fields[0].velocity, fields[1].velocity)
+            u = (fields[0].velocity[0], fields[0].velocity[1], fields[0].velocity[2])
+            v = (fields[1].velocity[0], fields[1].velocity[1], fields[1].velocity[2])
+            heat, loss = losses_of(row, u, v)
+            loss += book_rigid_bodies(
+                contact, contact.rigid_bodies, contact_pairs.rigid[k, 2], 0, 1.0, (u, v), ledger, 0
+            )
             ledger.wall_energy[0, face, WALL_HEAT] += heat
             ledger.wall_energy[0, face, WALL_LOSS] += loss
             continue
         place = contact_pairs.rigid[k, 2]
+        _load_before(contact, contact.rigid_bodies, end, coupling, values)
         book(contact, free, ((0, 0, 0), place), 0, 1.0, True, ledger, 0)
+        first = PLACES * (end.law - 1)
+        if first < ledger.contact_moments.shape[1]:
+            _book_place(row, place, ledger.contact_moments[0, first : first + PLACES])
+
+
+@inner_kernel
+def _book_place(row, x, booked):
+    """Book the moment of a pair on its first body, and where it presses."""
+    for d in range(3):
+        e, f = (d + 1) % 3, (d + 2) % 3
+        booked[MOMENT, d] -= x[e] * impulse_of(row, f) - x[f] * impulse_of(row, e)
+        booked[PLACED, d] += row.normal_impulse * x[d]
+    booked[PRESSED, 0] += row.normal_impulse
 
 
 @inner_kernel

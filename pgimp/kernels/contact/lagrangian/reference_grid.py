@@ -23,18 +23,18 @@ FACE_PLANE = structure(
 )
 
 #: A reference vertex: velocity and mass, inverse mass by component (0 if held by a face or a
-#: constraint), and the contact impulse that these bear. Vectors of four numbers, see `NUMBERS`.
+#: constraint), and the velocity before the step. Vectors of four numbers, see `NUMBERS`.
 REFERENCE_VERTEX = structure(
     ("velocity", "f8", 3),
     ("mass", "f8"),
     ("inverse_mass", "f8", 3),
     ("_", "f8"),
-    ("held_impulse", "f8", 3),
+    ("velocity_before", "f8", 3),
     ("__", "f8"),
 )
 
-#: Numbers in a reference vertex, and the first one of its inverse mass.
-NUMBERS, OF_INVERSE_MASS = 12, 4
+#: Numbers in a reference vertex, and the first ones of its inverse mass and of its velocity before.
+NUMBERS, OF_INVERSE_MASS, OF_VELOCITY_BEFORE = 12, 4, 8
 
 
 class ReferenceVertices(NamedTuple):
@@ -133,7 +133,7 @@ def read_reference_vertices(holding, field, keys, values):
         row = values[n]
         row.mass = row._ = row.__ = 0.0
         for d in range(3):
-            row.velocity[d] = row.inverse_mass[d] = row.held_impulse[d] = 0.0
+            row.velocity[d] = row.inverse_mass[d] = row.velocity_before[d] = 0.0
         r, number = offset_of_key(field, bits, keys[n])
         if r < 0:  # rounding gives it weight, but no mass
             continue
@@ -142,6 +142,7 @@ def read_reference_vertices(holding, field, keys, values):
         u = held_velocity(holding, number, r, v, True)
         for d in range(3):
             row.velocity[d] = v[d]
+            row.velocity_before[d] = v[d] - forcing.dt * G[r + ACCELERATION + d]
             if d < D and m > forcing.mass_cutoff:
                 pushed = tuple(v[e] + (1.0 if d == e else 0.0) for e in range(3))
                 s = held_velocity(holding, number, r, pushed, True)

@@ -17,7 +17,8 @@ from pgimp.kernels.data.particles import FloatArray
 class Solved(NamedTuple):
     """Reference vertices as the sweeps read and change them, four solved a row."""
 
-    #: velocity, inverse_mass, held_impulse: (m, 4) float64: See `REFERENCE_VERTEX`.
+    #: velocity, inverse_mass, held_impulse: (m, 4) float64: See `REFERENCE_VERTEX`; the last is
+    #: the contact impulse that faces and constraints bear.
     velocity: FloatArray
     inverse_mass: FloatArray
     held_impulse: FloatArray

@@ -48,7 +48,7 @@ def solve_groups(contact, free, grouped, coupling, solved, changes, accuracy):
 
 
 @kernel
-def book_groups(contact, free, grouped, coupling, solved, walls, ledger):
+def book_groups(contact, free, grouped, coupling, solved, values, walls, ledger):
     """Book what groups have exchanged, each in a plane of its own; see `book_contacts`.
 
     `grouped` is as of `solve_groups`.
@@ -60,6 +60,6 @@ def book_groups(contact, free, grouped, coupling, solved, walls, ledger):
             ledger.work[g : g + 1], ledger.impulse[g : g + 1], ledger.outside_mass,
             ledger.constraint_impulse, ledger.wall_energy[g : g + 1], ledger.contact[g : g + 1],
             ledger.rigid_bodies[g : g + 1], ledger.escaped, ledger.filled, ledger.damping,
-            ledger.crossed, ledger.traction_impulse,
+            ledger.crossed, ledger.traction_impulse, ledger.contact_moments[g : g + 1],
         )  # fmt: skip
-        book_contacts(contact, free, own, coupling, solved, walls, books)
+        book_contacts(contact, free, own, coupling, solved, values, walls, books)

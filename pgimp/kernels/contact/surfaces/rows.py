@@ -24,6 +24,7 @@ from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.kernels.contact.data import clear_pair
 from pgimp.kernels.contact.lagrangian.coupling import set_answer
 from pgimp.kernels.contact.surfaces.motion import hat
+from pgimp.kernels.contact.surfaces.pressed import faces, pressed_area
 from pgimp.kernels.rigid.bodies import arm_of
 from pgimp.physics.contact.base import TIED
 
@@ -33,13 +34,16 @@ FADES = 0.002
 #: Iterations for the level, at most, and the change over d that ends them.
 _NEWTON, _EXACT = 40, 1e-12
 
-#: Power of the cosine between a facet and what it meets in the area A, so that edges between two
-#: faces of a body do not count there; least A, in areas of the patch.
-_FACING, _LEAST = 8, 0.03
+#: Least area A, in areas of the patch.
+_LEAST = 0.03
 
 #: Cells of gap above which a patch has no pair. Over the greatest distance of a vertex in the step
 #: the gap above which it has none either, and cells of gap at which it always has one.
 NEAR, SOON, TOUCHES = 0.25, 4.0, 1e-3
+
+#: Cells by which overlapping surfaces part in a step, at most; others than rigid ones beyond what
+#: compliance takes, see `soften`.
+PARTS = 1e-3
 
 #: Least cosine between normals on one side of a body.
 _ONE_SIDE = 0.7
@@ -87,17 +91,6 @@ def _find_sides(surface, every, first, last, near):
 
 
 @inner_kernel
-def _faces(surface, near):
-    """Part of a facet that faces the other body: 1 if parallel, little where it is askew."""
-    if not near.gap < inf:
-        return 0.0
-    cosine = 0.0
-    for d in range(3):
-        cosine -= surface.turned[near.facet, d] * near.normal[d]
-    return max(cosine, 0.0) ** _FACING
-
-
-@inner_kernel
 def _level(surface, every, first, last, side, least, width):
     """Level of a patch above the least gap, by Newton's method from above."""
     near, whole, most = inf, 0.0, 0.0
@@ -105,7 +98,7 @@ def _level(surface, every, first, last, side, least, width):
         area = surface.area[every[n].facet]
         most += area
         if every[n].side == side:
-            whole += area * _faces(surface, every[n])
+            whole += area * faces(surface, every[n])
             if every[n].gap == least:
                 near = min(near, area)
     whole = max(whole, _LEAST * most)
@@ -248,10 +241,11 @@ def _set_pair(contact, surface, group, side, law, size, pair):
         row.normal[d] /= sqrt(square)
         rigid[2, d] /= whole
     row.gap_rate = gap / dt
-    row.area = max(row.area, glued)
     row.adhesion, row.shear_adhesion = normal * glued * dt, shear * glued * dt
     for n in range(first, last):
         every[n].weight /= whole
+    pressed = pressed_area(surface, every, first, last, side, least, cell)
+    row.area = max(row.area, pressed, glued)
     return True
 
 
@@ -340,6 +334,8 @@ def find_patch_pairs(
                 if used <= len(coupling.column):
                     set_answer(coupling, rows, numbers)
                 rows += 1
+            if end.rows[0] < 0 and end.rows[1] < 0:
+                row.gap_rate = max(row.gap_rate, -PARTS * cell / dt)
             pairs += 1
         first = last
     return pairs, rows, used

@@ -33,9 +33,6 @@ SOFT = 0.1
 #: Least area of a patch in its weight here, in faces of a cell.
 LEAST_AREA = 0.1
 
-#: Cells by which overlapping surfaces part in a step, at most, beyond what compliance takes.
-PARTS = 1e-3
-
 
 @inner_kernel
 def _is_second(end):
@@ -126,7 +123,8 @@ def soften(contact, kept, contact_pairs, coupling, solved, sizes, scratch):
     solved : Solved
         After `begin_solution`; `soft` is set, and masses are changed.
     sizes : (float, float, float)
-        The step; least area of a patch in its weight; the length `PARTS`.
+        The step; least area of a patch in its weight; the length by which overlaps
+        end in a step, beyond what compliance takes.
     scratch : ((vertices,) float64, (pairs,) float64)
         Scratch, zero before.
     """
@@ -161,6 +159,8 @@ def soften(contact, kept, contact_pairs, coupling, solved, sizes, scratch):
                 add_impulse(r, (again * J[0], again * J[1], again * J[2]), sign, coupling, solved)
     for k in range(len(contact_pairs.ends)):
         row = contact_pairs.states[k]
+        if contact_pairs.ends[k].rows[0] < 0 and contact_pairs.ends[k].rows[1] < 0:
+            continue
         # Half of what the last step's impulses give: the depth of the compliance itself.
         deep = before[k] - _normal_velocity(contact, contact_pairs, k, coupling, solved)
         row.gap_rate = max(row.gap_rate, -parts / dt - 2.0 * max(deep, 0.0))

@@ -234,7 +234,7 @@ class LagrangianContact(NoContact):
         call(find_changes, vertices, solved, changes)
         if len(mirrors):
             call(book_mirrored, pairs, coupling, mirrors, ledger)
-        self._book(free, pairs, coupling, solved, ledger)
+        self._book(free, pairs, coupling, solved, vertices, ledger)
         return changes
 
     def _sweep(
@@ -249,10 +249,11 @@ class LagrangianContact(NoContact):
         )
 
     def _book(
-        self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved, ledger: Ledger
-    ) -> None:
+        self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved,
+        vertices: np.ndarray, ledger: Ledger,
+    ) -> None:  # fmt: skip
         """Book the impulses of pairs."""
-        of = self._contact, free, pairs, coupling, solved
+        of = self._contact, free, pairs, coupling, solved, vertices
         self.call(book_contacts, *of, self._walls, ledger)
 
     def _find(self, near: Near, t: Step) -> tuple[ContactPairs, Coupling]:

@@ -6,6 +6,8 @@ themselves.
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from pgimp.jit.rehearsal import needed
@@ -21,16 +23,19 @@ from pgimp.kernels.contact.lagrangian.reference_grid import (
     read_reference_vertices,
 )
 from pgimp.kernels.contact.lagrangian.rows import Solved
+from pgimp.kernels.contact.surfaces.data import no_facets
 from pgimp.kernels.contact.surfaces.gaps import find_gaps
 from pgimp.kernels.contact.surfaces.groups import book_groups, solve_groups
+from pgimp.kernels.contact.surfaces.loads import add_loads
 from pgimp.kernels.contact.surfaces.motion import move_facets
-from pgimp.kernels.contact.surfaces.rows import find_patch_pairs
-from pgimp.kernels.contact.surfaces.soft import LEAST_AREA, PARTS, apply_impulses, soften
+from pgimp.kernels.contact.surfaces.rows import PARTS, find_patch_pairs
+from pgimp.kernels.contact.surfaces.soft import LEAST_AREA, apply_impulses, soften
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
+from pgimp.solver.contact.base import NoContact
 from pgimp.solver.contact.lagrangian.joint import Joint
 from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact, nothing_held
 from pgimp.solver.contact.lagrangian.messages import greatest
@@ -43,8 +48,10 @@ from pgimp.solver.contact.surfaces.groups import (
     share_changes,
 )
 from pgimp.solver.contact.surfaces.kept_forces import KeptForces
+from pgimp.solver.contact.surfaces.loads import SurfaceLoads
 from pgimp.solver.contact.surfaces.overrun import OverrunWatch
 from pgimp.solver.contact.surfaces.proximity import Proximity, Share, U
+from pgimp.solver.contact.surfaces.rebounds import rebounds_of
 from pgimp.solver.contact.surfaces.table import Table, table_of
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
@@ -71,12 +78,19 @@ class SurfaceContact(LagrangianContact):
         self._rate, self._room = 0.0, (ContactPairs.empty(0), _rows(0, 0))
         cell = scene.domain.frame.cell
         self._sizes = LEAST_AREA * min(cell) ** (len(cell) - 1), PARTS * min(cell)
+        #: SurfaceLoads or None: Loads on facets, where the case asks for frames of surfaces.
+        self.loads = SurfaceLoads(comm) if scene.case.output.surface else None
+        self._every = no_facets(0)
         rigid_bodies = scene.interaction.rigid_bodies
         self._watch = OverrunWatch(scene, [*scene.body_names, *rigid_bodies.names])
         self._warm_start: KeptForces = KeptForces(comm)
         self._books = np.empty(0, np.int64), Ledger.empty(0, 0, 0)
         if not self.free:
             self._accuracy = SWEEPS, TOLERANCE
+        self._rebounds = rebounds_of(scene)
+        first = self._walls.first
+        for number in scene.interaction.rigid_bodies.free:  # they meet walls as other bodies do
+            self.pairs.entry[self.bodies + number, first:] = self.pairs.entry[0, first:]
 
     def moved(self) -> None:
         """See `NoContact.moved`."""
@@ -90,6 +104,31 @@ class SurfaceContact(LagrangianContact):
     def restore_search(self, search: np.ndarray) -> None:
         """See `NoContact.restore_search`."""
         self._proximity.restore(search)
+
+    @property
+    def surface_loads(self) -> np.ndarray:
+        """See `NoContact.surface_loads`."""
+        return self.loads.stored if self.loads else super().surface_loads
+
+    def restore_loads(self, loads: np.ndarray) -> None:
+        """See `NoContact.restore_loads`."""
+        if self.loads:
+            self.loads.restore(loads)
+
+    def follow(self, before: NoContact) -> None:
+        """See `NoContact.follow`."""
+        if self.loads and isinstance(before, SurfaceContact) and before.loads:
+            self.loads = before.loads
+
+    @property
+    def proximity(self) -> Proximity:
+        """What is near."""
+        return self._proximity
+
+    @property
+    def acts(self) -> np.ndarray:
+        """Whether facets of a body look for another's, (bodies, bodies) uint8."""
+        return self._acts
 
     def overrun(self, rank: RankState, done: Step) -> list[str]:
         """See `NoContact.overrun`."""
@@ -110,10 +149,15 @@ class SurfaceContact(LagrangianContact):
             every.at(t.start, t.end, free.states if free else None)  # in place
         if free:
             free.begin(rigid_bodies, t, forcing.gravity)
-        table, rate = self._known(rank), max(every.rate, free.rate if free else 0.0)
+        table, rate = self.known(rank), max(every.rate, free.rate if free else 0.0)
         self._rate = rate
         if self._proximity.update(rank, table, self._acts, rigid_bodies, t.dt, rate):
             self._warm_start.divide(self._proximity.has)
+            if self.loads:
+                proximity = self._proximity
+                self.loads.divide(table.surface, proximity.labels, proximity.groups, proximity.met)
+        if self.loads:
+            self.loads.time += t.dt
         near = self._proximity.near
         assert near is not None
         if needed(near.any):
@@ -123,7 +167,7 @@ class SurfaceContact(LagrangianContact):
         if free:
             free.end(rigid_bodies, t.dt)
 
-    def _known(self, rank: RankState) -> Table:
+    def known(self, rank: RankState) -> Table:
         """The surfaces of all bodies; collective when they have to be found."""
         slaves = rank.slaves.keys if rank.slaves else None
         if self._table is None or self._slaves is not slaves:
@@ -174,7 +218,19 @@ class SurfaceContact(LagrangianContact):
     def _sweep(
         self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved
     ) -> None:
-        """See `LagrangianContact._sweep`; the sweeps of each group end by themselves.
+        """See `LagrangianContact._sweep`; rigid bodies rebound."""
+        sweep = partial(self._sweep_groups, free, pairs, coupling, solved)
+        if self._rebounds:
+            grouped = Grouped.of(pairs, self._proximity.groups)
+            states = solved.velocity, solved.held_impulse
+            self._rebounds.solve(self.rigid_bodies, pairs, grouped, states, sweep)
+        else:
+            sweep()
+
+    def _sweep_groups(
+        self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved
+    ) -> None:
+        """Solve for the impulses; the sweeps of each group end by themselves.
 
         Neighbouring patches have some compliance in them.
         """
@@ -195,13 +251,20 @@ class SurfaceContact(LagrangianContact):
         call(apply_impulses, pairs, coupling, solved)
 
     def _book(
-        self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved, ledger: Ledger
-    ) -> None:
+        self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved,
+        vertices: np.ndarray, ledger: Ledger,
+    ) -> None:  # fmt: skip
         """See `LagrangianContact._book`; of each group alone."""
         grouped = Grouped.of(pairs, self._proximity.groups)
         self._books = grouped.number, books_of(ledger, len(grouped.number))
-        of = self._contact, free, (grouped.pairs, grouped.first), coupling, solved
+        of = self._contact, free, (grouped.pairs, grouped.first), coupling, solved, vertices
         self.call(book_groups, *of, self._walls, self._books[1])
+        if self.loads:
+            assert self._table is not None
+            self.call(
+                add_loads, self._contact, pairs, coupling, solved, self.scene.domain.frame,
+                self._table.surface, self._every, (self._dt, *self.loads.arrays),
+            )  # fmt: skip
 
     def _pairs(
         self, table: Table, share: Share, u: np.ndarray, values: np.ndarray,
@@ -223,7 +286,7 @@ class SurfaceContact(LagrangianContact):
         vertices = flat(values), seen, np.empty(2 ** len(frame.cell))
         if len(self._room[0].ends) < len(every):
             self._room = ContactPairs.empty(len(every)), _rows(len(every), 8 * len(every))
-        pairs, coupling = self._room
+        (pairs, coupling), self._every = self._room, every
 
         def fill(coupling: Coupling) -> int:
             counts[0], counts[1], used = call(

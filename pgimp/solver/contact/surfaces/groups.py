@@ -14,7 +14,7 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.contact.lagrangian.messages import swap_parts, total
 
 #: What groups book, by plane.
-_BOOKED = ("work", "impulse", "wall_energy", "contact", "rigid_bodies")
+_BOOKED = ("work", "impulse", "wall_energy", "contact", "rigid_bodies", "contact_moments")
 
 
 class Groups(NamedTuple):

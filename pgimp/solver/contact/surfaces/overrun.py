@@ -81,13 +81,13 @@ class OverrunWatch:
         order = np.lexsort((every, -surface.area, surface.patch))
         some = order[np.unique(surface.patch[order], return_index=True)[1]]
         point, normal, body = surface.now[some], surface.turned[some], surface.body[some]
-        for a, b in zip(*np.nonzero(acts | acts.T), strict=True):
+        for a, b in _overlapping(
+            acts | acts.T, (body, point), (surface.body, surface.now), deep, D
+        ):
             two = (min(a, b), max(a, b))
             if two in self._told or (a < len(soft)) != (b < len(soft)):
                 continue
             of, its = surface.now[surface.body == b], np.flatnonzero(body == a)
-            if not len(of):  # a body that a stage has removed
-                continue
             low, high = of.min(axis=0) + deep, of.max(axis=0) - deep
             its = its[((point[its] > low) & (point[its] < high))[:, :D].all(axis=1)]
             if not len(its) or not self._closed(table, b):
@@ -177,6 +177,24 @@ class OverrunWatch:
             f"cell in {whose} at time {done.end:.6g}, as near ({at}). There it meets nothing, and "
             "what follows is no result: take shorter steps, smaller cells, or edges less sharp"
         )
+
+
+def _overlapping(
+    acts: np.ndarray, own: tuple[np.ndarray, np.ndarray], its: tuple[np.ndarray, np.ndarray],
+    deep: float, D: int,
+) -> list[tuple[int, int]]:  # fmt: skip
+    """Pairs of bodies of which points of the first may be deep in the second, ascending.
+
+    Both have bodies, (n,), and points there, (n, 3).
+    """
+    ends = np.full((4, len(acts), D), np.inf)
+    for k, (body, x) in enumerate((own, its)):
+        np.minimum.at(ends[2 * k], body, x[:, :D])
+        np.minimum.at(ends[2 * k + 1], body, -x[:, :D])
+    least, most, low, high = ends[0], -ends[1], ends[2] + deep, -ends[3] - deep
+    a, b = np.nonzero(acts)
+    near = ((most[a] > low[b]) & (least[a] < high[b])).all(axis=1)
+    return [*zip(a[near].tolist(), b[near].tolist(), strict=True)]
 
 
 def _angle(x: np.ndarray, area: np.ndarray, points: np.ndarray, D: int) -> np.ndarray:

@@ -100,6 +100,10 @@ class Proximity:
         Whether the root has all groups.
     root : int
         The rank with the first layer, which searches.
+    reach : float
+        Distance within which facets are looked at.
+    met : (n, 2) int64
+        Pairs of bodies with facets near each other, on all ranks.
     """
 
     def __init__(self, scene: Scene, comm: Communicator, walls: SeparatingWalls) -> None:
@@ -116,6 +120,8 @@ class Proximity:
         self.alone = False
         self.far = max(FARTHEST * cell.min(), adheres)
         self._reach = (2.0 * TRAVEL) * cell + self.far
+        self.reach = self._reach.max()
+        self.met = np.empty((0, 2), np.int64)
         self._pause, self._moved, self._walked = 0, 0.0, np.inf
         self._records = np.empty(0, np.int64)
         self._window: object = None
@@ -182,6 +188,10 @@ class Proximity:
             self._find_root(rank)
             self.near = self._select(table, near.facets)
             self._divide(table, self._everyone())
+
+    def everyone(self) -> tuple[np.ndarray, np.ndarray]:
+        """The candidates of all ranks, and the facets near others; collective."""
+        return self._everyone(), self._moving
 
     def _everyone(self) -> np.ndarray:
         """The candidates of all ranks; collective."""
@@ -282,6 +292,7 @@ class Proximity:
         """Find the groups of all candidates, and the rank's share; collective."""
         surface, facet = table.surface, every["facet"]
         bodies = np.column_stack([surface.body[facet], every["body"]])
+        self.met = np.unique(bodies, axis=0)
         self.groups = find_groups(self.labels, bodies, surface.x[facet, 0], self.comm.size)
         if self.alone:
             self.groups.rank[:] = self.root
@@ -337,11 +348,12 @@ class Proximity:
         )
         alone = np.flatnonzero(acts[table.body, table.body])
         on_walls = {}
-        soft = np.flatnonzero(table.body < len(self.scene.body_names))
+        n, free = len(self.scene.body_names), [*self.scene.interaction.rigid_bodies.free]
+        moving = np.flatnonzero((table.body < n) | np.isin(table.body - n, free))
         for w, (axis, side, place, *_) in enumerate(self.walls.planes.tolist()):
             at = frame.origin[axis] + (place - frame.ghost) * cell[axis]
-            end = (high if side > 0 else low)[soft, axis]
-            near = soft[side * (at - end) < reach[axis]]
+            end = (high if side > 0 else low)[moving, axis]
+            near = moving[side * (at - end) < reach[axis]]
             on_walls[self.walls.first + w] = table.facets(near)
         return np.concatenate([pairs[:found], np.column_stack([alone, alone])]), on_walls
 

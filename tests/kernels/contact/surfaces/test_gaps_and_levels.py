@@ -6,7 +6,8 @@ import pytest
 from pgimp.jit.kernel import kernel
 from pgimp.kernels.contact.surfaces.data import Surface, no_facets
 from pgimp.kernels.contact.surfaces.gaps import next_facet
-from pgimp.kernels.contact.surfaces.rows import _faces, _level
+from pgimp.kernels.contact.surfaces.pressed import faces
+from pgimp.kernels.contact.surfaces.rows import _level
 
 WIDTH = 0.01
 
@@ -29,7 +30,7 @@ def surface_of(x, normal, area, body, beside=None):
 def _levels(surface, every, least, width, found):
     found[0] = _level(surface, every, 0, len(every), 0, least, width)
     for n in range(len(every)):
-        found[1 + n] = _faces(surface, every[n])
+        found[1 + n] = faces(surface, every[n])
 
 
 @kernel

@@ -2,6 +2,7 @@
 
 from scenes import SOFT, box, scene
 
+from pgimp.physics.columns import SURFACE
 from rank_scenes.entries import EVERYTHING, GRID, PAIR, turning
 
 
@@ -81,6 +82,31 @@ def exact_means():
         name: {"body": body, "at": at, "fields": ["recovered-stress"], "every": {"steps": 10}}
         for name, body, at in (("top", "bar", [7.3, 2.98]), ("side", "disk", [7.2, 5.4]))
     }
+    return case
+
+
+def exact_skins():
+    """A thin body on a thick one, which a stage takes away: its cells' means are over others then.
+
+    Vertices of the thin one are slaves before, and have the masses of others after.
+    """
+    bodies = {"thick": box([2.0, 1.0], [15.0, 3.0]), "skin": box([3.0, 3.0], [14.2, 3.15])}
+    clamp = {"body": "thick", "region": {"box": {"min": [2.0, 1.0], "max": [3.0, 3.0]}}}
+    case = scene(
+        2,
+        {name: body | {"configuration": "initial"} for name, body in bodies.items()},
+        cells=[18, 9],
+        shape="finite-gimp",
+        end=0.5,
+        step={"courant": 0.3},
+        gravity=[0.0, -20.0],
+        constraints={"clamp": clamp | {"velocity": [0.0, 0.0]}},
+        output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},
+        history={"every": {"steps": 10}},
+    )
+    case["method"]["volumetric"] = "mean"
+    gone = {"remove": ["thick"], "constraints": {"clamp": None}}
+    case["time"]["stages"] = [{"name": "skinned", "end": 0.8} | gone]
     return case
 
 
@@ -260,7 +286,7 @@ def surface_contact():
     """Bodies exact to their surface meet, across slabs: each other, tools, a floor that lets go.
 
     Corners meet, one body is tied to another whose lattice differs, one is pressed by a free
-    rigid body, another rolls on a drum.
+    rigid body, another rolls on a drum, from which a rigid bead rebounds onto the floor.
     """
     disk = {"ball": {"centre": [4.3, 5.6], "radius": 1.37}}
     bodies = {
@@ -280,6 +306,8 @@ def surface_contact():
                      "region": {"box": {"min": [-6.0, 2.0], "max": [2.5, 8.0]}}}  # fmt: skip
     bodies["puck"] = {"rigid": {"density": 2.0}, "velocity": [-1.0, -2.0],
                       "region": {"box": {"min": [12.2, 4.3], "max": [13.9, 5.9]}}}  # fmt: skip
+    bodies["bead"] = {"rigid": {"density": 1.0}, "velocity": [-3.0, -7.0],
+                      "region": {"ball": {"centre": [21.1, 3.0], "radius": 0.9}}}  # fmt: skip
     return scene(
         2,
         bodies,
@@ -289,13 +317,17 @@ def surface_contact():
         step={"courant": 0.3},
         materials=PAIR,
         gravity=[0.0, -1.0],
-        boundaries={"y-min": {"separating": {"friction": 0.2}}, "x-max": "slip"},
+        boundaries={
+            "y-min": {"separating": {"friction": 0.2, "restitution": 0.7}},
+            "x-max": "slip",
+        },
         contact=[
             {"bodies": "all", "friction": {"static": 0.4, "kinetic": 0.3}},
+            {"bodies": ["bead", "drum"], "friction": 0.2, "restitution": 0.6},
             {"bodies": ["lies", "glued"], "law": "tied"},
             {"bodies": ["lies", "drum"], "adhesion": {"normal": 1.0, "reach": 0.3}},
         ],
-        output={"every": 0.25, "fields": EVERYTHING},
+        output={"every": 0.25, "fields": EVERYTHING, "surface": [*SURFACE]},
         history={"every": {"steps": 10}},
     )
 
@@ -324,7 +356,7 @@ def surface_stages():
         boundaries={"y-min": "separating"},
         contact=[{"bodies": "all", "friction": 0.3}, *tied],
         gravity=[0.0, -2.0],
-        output={"every": 0.25, "fields": EVERYTHING},
+        output={"every": 0.25, "fields": EVERYTHING, "surface": [*SURFACE]},
         history={"every": {"steps": 10}},
     )
     case["time"]["stages"] = [

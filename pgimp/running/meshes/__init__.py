@@ -1,0 +1,1 @@
+"""Frames of meshes: of the grid, of rigid bodies, and of surfaces that meet."""
