@@ -23,7 +23,7 @@ class Body(Model):
     surface: Literal["cut", "whole", "exact"] = Field(
         default="cut",
         description="cut: a particle that the surface cuts has the volume, mass and momentum of "
-        "its part inside; where all bodies are in the initial configuration, in a shape no wider "
+        "its part inside; of bodies in the initial configuration, in a shape no wider "
         "than cells, its weights and forces are those of this part, too, and vertices that hold "
         "next to nothing move with those next to them. whole: whole particles, those whose centre "
         "lies inside. exact: older word for `cut` there",
@@ -56,10 +56,15 @@ def may_be_exact(bodies: Mapping[str, Body], method: Shape) -> list[bool]:
     """Whether each body can be exact to its surface, and is not to be `whole`.
 
     Weights of parts of particles are those of their cells. So shapes wider than these have none,
-    nor have bodies from files of particles, and scenes with bodies in the current configuration.
+    nor have bodies from files of particles, nor others beside the current configuration then.
     """
-    able = method.in_cell and all(b.configuration == "initial" for b in bodies.values())
-    return [
-        able and body.surface != "whole" and not isinstance(body.region, Points)
+    able = [
+        body.surface != "whole" and not isinstance(body.region, Points)
         for body in bodies.values()
+        if body.configuration == "initial"
     ]
+    mixed = 0 < len(able) < len(bodies)
+    if not method.in_cell or (mixed and not all(able)):
+        return [False] * len(bodies)
+    found = iter(able)
+    return [body.configuration == "initial" and next(found) for body in bodies.values()]

@@ -7,7 +7,7 @@ import numpy as np
 from pgimp.case.schema import Case
 from pgimp.kernels.data.arguments import KernelScene
 from pgimp.kernels.data.column import Carried
-from pgimp.kernels.data.frame import FRAMES, MixedFrame
+from pgimp.kernels.data.frame import FRAMES, MixedExactFrame, MixedFrame
 from pgimp.kernels.data.particles import Particles, needed_by
 from pgimp.kernels.lagrangian.cell_derivatives import MAX_PER_CELL
 from pgimp.kernels.loads.loads import Loads
@@ -45,7 +45,7 @@ class Scene:
     setting : KernelScene
         The scene for kernels; `setting_lagrangian` is for bodies in the initial configuration
         beside others.
-    order_frame : Frame, InitialFrame or MixedFrame
+    order_frame : Frame, InitialFrame, MixedFrame or MixedExactFrame
         The frame for kernels that sort particles.
     by_cells : bool
         Whether lattice particles are summed by `pgimp.kernels.lagrangian.cells`.
@@ -95,12 +95,11 @@ class Scene:
             shape.tracked,
             domain.exits,
         )
-        self.setting_lagrangian = self.setting._replace(
-            shape=shape.fixed(domain.frame.cell), frame=start
-        )
+        self.setting_lagrangian = self.setting._replace(shape=settings.initial_shape, frame=start)
         self.order_frame: Any = frame
         if settings.mixed:
-            self.order_frame = MixedFrame(*domain.frame, settings.lagrangian)
+            kind = MixedExactFrame if settings.exact_surfaces.any() else MixedFrame
+            self.order_frame = kind(*domain.frame, settings.lagrangian)
         self.by_cells = self._by_cells()
         self.cell_loads = self._cell_loads()
         self.stateless = self.by_cells and not self.cell_loads

@@ -26,13 +26,15 @@ class Settings:
         Which bodies have an averaged mass.
     shape : NamedTuple
         Parameters of the shape; its support has `vertices` per direction.
+    initial_shape : NamedTuple
+        That of bodies in the initial configuration, also beside others.
     uncut : NamedTuple
         Parameters of the shape of whole particles. `shape` differs where bodies are exact to their
         surface; in contact, at current positions, their particles are cut boxes as others.
     exact_surfaces : (bodies,) bool
         Which bodies are exact to their surface.
     by_surfaces : bool
-        Whether bodies that meet do so by their own surfaces.
+        Whether all bodies that meet do so by their own surfaces.
     follows : bool
         Whether supports follow the deformation.
     exact : NamedTuple or ()
@@ -63,11 +65,13 @@ class Settings:
         method = case.method
         self.exact_surfaces = np.array(exact_surfaces(case), bool)
         by = case.bodies, method, case.geometry, case.boundaries
-        self.by_surfaces = meet_by_surfaces(*by)
-        self.shape = (method.fixed if self.initial else method.parameters)(tuple(case.grid.cell))
-        self.uncut = self.shape
+        self.by_surfaces = meet_by_surfaces(*by) and not self.mixed
+        cell = tuple(case.grid.cell)
+        self.initial_shape: Any = method.fixed(cell)
+        self.uncut = self.initial_shape if self.initial else method.parameters(cell)
         if self.exact_surfaces.any():  # whole particles have the same weights
-            self.shape = PartParameters(tuple(0.0 for _ in case.grid.cell))
+            self.initial_shape = PartParameters(tuple(0.0 for _ in cell))
+        self.shape = self.initial_shape if self.initial else self.uncut
         self.vertices: int = self.shape.vertices()
         self.follows = method.follows and not self.initial
         self.exact: Any = case.exact.parameters(case) if case.exact else ()

@@ -9,6 +9,7 @@ from pgimp.decomposition.balance import Balance
 from pgimp.decomposition.migrate import pack, unpack
 from pgimp.decomposition.slabs import Slab, cut, slab_of
 from pgimp.geometry.points.block import Block
+from pgimp.kernels.data.frame import MixedExactFrame
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.order.order import layers_of, locate
 from pgimp.kernels.update.turns import turn_particles
@@ -122,7 +123,8 @@ def bring_home(
 ) -> tuple[Particles, int]:
     """Give particles whose support is of another slab to its rank; collective.
 
-    The deformation of a stress at the start changes the sizes of boxes that follow it.
+    The deformation of a stress at the start changes the sizes of boxes that follow it. Parts of a
+    cell have no size, but are created with others, which have.
 
     Parameters
     ----------
@@ -131,7 +133,7 @@ def bring_home(
     particles, count
         This rank's particles, and their number.
     """
-    if not scene.settings.follows:
+    if not (scene.settings.follows or isinstance(scene.order_frame, MixedExactFrame)):
         return particles, count
     shape, frame, domain = scene.settings.shape, scene.order_frame, scene.domain
 

@@ -31,7 +31,6 @@ def both(first, second):
         (scene(2, both(ALONG, BALL), shape="bspline-quadratic"), [False, False]),
         (scene(2, ALONG | INITIAL), [False]),
         (scene(2, ALONG | INITIAL, boundaries=FLOOR), [True]),
-        (scene(2, ALONG | INITIAL, boundaries=FLOOR) | {"geometry": "axisymmetric"}, [False]),
     ],
 )
 def test_what_the_key_means(case, expected):

@@ -56,12 +56,15 @@ def test_the_report_says_which_vertices_move_by_themselves(capsys, unmeasured):
 
 
 def test_the_report_says_where_cut_cells_are_those_of_boxes(capsys, unmeasured):
-    """In shapes wider than cells, and beside bodies in the current configuration."""
+    """In shapes wider than cells, and if others are whole beside the current configuration."""
     body = box([1.3, 2.0], [4.0, 4.0]) | {"configuration": "initial"}
     both = {"a": body, "b": box([5.0, 2.0], [7.0, 4.0])}
+    whole = both | {"c": box([2.0, 5.0], [4.0, 7.0]) | {"configuration": "initial",
+                                                       "surface": "whole"}}  # fmt: skip
     for case, why in (
         (scene(2, body, shape="bspline-quadratic"), "bspline-quadratic is wider than cells"),
-        (scene(2, both), "'b' is in the current one"),
+        (scene(2, both), ""),
+        (scene(2, whole), "'b' is in the current one, and another body is whole"),
         (scene(2, body), ""),
         (scene(2, body | {"region": both["b"]["region"]}, shape="bspline-quadratic"), ""),
     ):

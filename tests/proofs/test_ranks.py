@@ -57,6 +57,7 @@ GO_ON = {
         "initial_stages",
         "initial_contact",
         "surface_contact",
+        "surface_beside",
         "surface_stages",
         "initial_lattice",
         "averaged_lattice",

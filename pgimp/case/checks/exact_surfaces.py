@@ -38,7 +38,8 @@ def exact_surfaces(case: Any) -> list[bool]:
 def meets(case: Any) -> bool:
     """Whether bodies of a `Case` may meet by surfaces: each other, rigid bodies or walls."""
     walls = any(entry.approaches for entry in case.boundaries.values())
-    return bool(case.contact or case.rigid_bodies or walls) and meet_by_surfaces(
+    current = any(body.configuration == "current" for body in case.bodies.values())
+    return bool(case.contact or case.rigid_bodies or walls or current) and meet_by_surfaces(
         case.bodies, case.method, case.geometry, case.boundaries
     )
 
@@ -74,8 +75,8 @@ def fallback(case: Any) -> str:
     if not cut or any(may_be_exact(bodies, method)):
         return ""
     why = f"{method.name} is wider than cells"
-    if current:
-        why = f"'{current[0]}' is in the current one"
+    if current and method.in_cell:
+        why = f"'{current[0]}' is in the current one, and another body is whole or from a file"
     return (
         f"cut particles of '{cut[0]}', in the initial configuration, have weights of whole ones, "
         f"as {why}"

@@ -70,7 +70,9 @@ def meet_by_surfaces(
     bodies: Mapping[str, Body], method: Shape, geometry: str, boundaries: Mapping[str, Boundary]
 ) -> bool:
     """Whether bodies meet at their own surfaces, and not at the vertices of a grid."""
-    exact = all(may_be_exact(bodies, method))
+    able = may_be_exact(bodies, method)
+    initial = [b.configuration == "initial" for b in bodies.values()]
+    exact = any(initial) and able == initial
     return exact and geometry != "axisymmetric" and not periodic_axes(boundaries)
 
 
@@ -99,13 +101,14 @@ def check_contact(
         "is for scenes in which all bodies have `configuration: initial` and `surface: cut`, in a "
         "shape no wider than cells, without an axis, periodic faces or particles from files"
     )
+    now = {name for name, body in bodies.items() if body.configuration == "current"}
     earlier: dict[frozenset[str], int] = {}
     for i, entry in enumerate(contact):
         path: tuple[str | int, ...] = ("contact", i, "bodies")
         pairs = {frozenset(pair) for pair in entry.pairs()}
         if entry.itself:
             pairs |= {frozenset((name,)) for name in entry.bodies if entry.bodies != "all"}
-            if not by_surfaces:
+            if not by_surfaces or (entry.bodies != "all" and now & set(entry.bodies)):
                 yield Problem(("contact", i, "self"), f"{needs}: leave it out, or give them these")
         if entry.bodies == "all":
             pairs = {frozenset(("all",))}
@@ -140,7 +143,8 @@ def check_surface_output(
     if not output.surface:
         return
     path = "output", "surface"
-    if not meet_by_surfaces(bodies, method, geometry, boundaries):
+    now = any(body.configuration == "current" for body in bodies.values())
+    if now or not meet_by_surfaces(bodies, method, geometry, boundaries):
         text = (
             "is for scenes whose bodies meet by their surfaces: give all of them `configuration: "
             "initial` and cut cells, without an axis or periodic faces; or leave it out"

@@ -107,6 +107,15 @@ class MixedFrame(NamedTuple):
         return Frame(*self[:5]).vertices
 
 
+class MixedExactFrame(MixedFrame):
+    """`MixedFrame` where bodies in the initial configuration are exact to their surface.
+
+    Their particles have the weights of parts of a cell, whose half-widths are zero.
+    """
+
+    __slots__ = ()
+
+
 class Window(NamedTuple):
     """The part of the grid that a rank stores: its planes, reduced to the range of the particles.
 

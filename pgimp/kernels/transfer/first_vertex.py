@@ -11,6 +11,7 @@ from pgimp.kernels.data.frame import (
     AxialFrame,
     AxialInitialFrame,
     InitialFrame,
+    MixedExactFrame,
     MixedFrame,
     PlateFrame,
     PlateInitialFrame,
@@ -35,7 +36,13 @@ def is_initial(frame):
 @of_types
 def is_mixed(frame):
     """Whether a frame, given by its Numba type, belongs to bodies of both configurations."""
-    return frame.instance_class is MixedFrame
+    return frame.instance_class in (MixedFrame, MixedExactFrame)
+
+
+@of_types
+def is_beside_parts(frame):
+    """Whether a frame is mixed, with bodies exact to their surface in the initial configuration."""
+    return frame.instance_class is MixedExactFrame
 
 
 @of_types
@@ -122,4 +129,8 @@ def half_widths(shape, frame, particles, p):
         return box(
             shape, frame, deformation(frame, particles, p), (coordinate(frame, particles, p, 0),)
         )[0]
-    return size(shape, frame.cell, deformation(frame, particles, p))[0]
+    half = size(shape, frame.cell, deformation(frame, particles, p))[0]
+    if is_beside_parts(frame):
+        part = 0.0 if frame.lagrangian[particles.body[p]] else 1.0
+        return tuple(part * h for h in half)
+    return half

@@ -65,3 +65,51 @@ class Elements(NamedTuple):
     def chosen(self, rows: NDArray[Any]) -> Elements:
         """Some of them, by a mask or in an order."""
         return Elements(*(each[rows] for each in self))
+
+
+#: Weight of the extent of a facet's box beside its products of inertia.
+_BOX = 1e-6
+
+
+def half_edges(elements: Elements, x: Reals, normal: Reals, size: Reals) -> Reals:
+    """Half-edges of parallelograms with the second moments of flat elements, (n, 2, D).
+
+    In 2D the second one is 0. Squares of components are not among the moments: in planes across an
+    axis they are those of a rectangle with the greatest extent about the centroid in the box.
+
+    Parameters
+    ----------
+    x, normal, size : (n, D) float64, (n, D) float64, (n,) float64
+        Centroids, unit normals, areas.
+    """
+    n, D = x.shape
+    found = np.zeros((n, 2, D))
+    if D == 2:
+        found[:, 0] = 0.5 * size[:, None] * np.stack([-normal[:, 1], normal[:, 0]], axis=1)
+    if D < 3:
+        return found
+    row = np.arange(n)
+    axis = np.argmin(np.round(np.abs(normal), 6), axis=1)
+    along = np.sqrt(1.0 - normal[row, axis] ** 2)
+    a = -normal * (normal[row, axis] / along)[:, None]
+    a[row, axis] = along
+    b = np.cross(normal, a)
+    half = (elements.half - np.abs(x - elements.centre))[row, axis] / along
+    half = np.maximum(half, 1e-3 * np.sqrt(size))
+    box = np.stack([half**2, np.zeros(n), (0.25 * size / half) ** 2], axis=1) / 3.0
+    area = elements.area
+    products = (elements.about(x) * area[:, None]).sum(axis=2)[:, :3]
+    products /= (area * area).sum(axis=1)[:, None]
+    pairs = [[a[:, i] * a[:, j], a[:, i] * b[:, j] + b[:, i] * a[:, j], b[:, i] * b[:, j]]
+             for i, j in _PAIRS[2]]  # fmt: skip
+    M = np.moveaxis(np.array(pairs), 2, 0)
+    T = M.transpose(0, 2, 1)
+    second = np.linalg.solve(
+        T @ M + _BOX * np.eye(3), T @ products[:, :, None] + _BOX * box[:, :, None]
+    )[:, :, 0]
+    whole = np.maximum(second[:, 0], 0.0)
+    skew = np.divide(second[:, 1], np.sqrt(whole), out=np.zeros(n), where=whole > 0.0)
+    rest = np.sqrt(np.maximum(second[:, 2] - skew**2, 0.0))
+    found[:, 0] = np.sqrt(3.0 * whole)[:, None] * a + (np.sqrt(3.0) * skew)[:, None] * b
+    found[:, 1] = (np.sqrt(3.0) * rest)[:, None] * b
+    return found

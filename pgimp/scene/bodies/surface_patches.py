@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pgimp.scene.bodies.elements import Indices, Reals
+from pgimp.scene.bodies.elements import Indices, Reals, half_edges
 from pgimp.scene.bodies.lattice_body import LatticeBody
 from pgimp.scene.bodies.surface_elements import find_elements
 from pgimp.scene.bodies.surfaces.beside import beside
@@ -35,6 +35,7 @@ class Facets(NamedTuple):
     #: middle, half: (n, 3) float64: Middle and half-sides of the part of a box that each is in.
     middle: Reals
     half: Reals
+    edges: Reals  #: (n, 2, 3) float64: See `half_edges`.
     patch: Indices  #: (n,) int64: Number of each facet's patch, ascending.
 
     @classmethod
@@ -85,6 +86,7 @@ def facets_of(body: LatticeBody, origin: Reals, cell: Reals, closed: Closed = ()
         size[order],
         _three(found.centre[order]),
         _three(found.half[order]),
+        np.pad(half_edges(found, x, normal, size)[order], ((0, 0), (0, 0), (0, 3 - len(cell)))),
         patch[order],
     )
 

@@ -9,7 +9,12 @@ def contact_kind(scene: Scene) -> type[NoContact]:
     """Return the class of a scene's contact."""
     meets = scene.interaction.pairs or scene.domain.unilateral_walls
     case = scene.case
-    if meets and meet_by_surfaces(case.bodies, case.method, case.geometry, case.boundaries):
+    by_surfaces = meet_by_surfaces(case.bodies, case.method, case.geometry, case.boundaries)
+    if by_surfaces and scene.settings.mixed:
+        from pgimp.solver.contact.surfaces.beside import MixedContact
+
+        return MixedContact
+    if meets and by_surfaces:
         from pgimp.solver.contact.surfaces.contact import SurfaceContact
 
         return SurfaceContact

@@ -27,7 +27,6 @@ from pgimp.kernels.lagrangian.displace import place_particles
 from pgimp.kernels.lagrangian.group_means import CellGroups, set_means, sum_cells
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
-from pgimp.solver.lagrangian.cells import LatticeCells
 from pgimp.solver.lagrangian.masters import Vertices
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.vertices import StepPart
@@ -55,9 +54,9 @@ class MeanDilatation(StepPart):
     ) -> None:
         self.scene, self.comm = scene, comm
         self.cells = self.roots = np.zeros(0, np.int64)
+        self._rows = np.zeros(0, np.int32)
         #: Those of the stage before, until the stage has its own.
         self._before = (before.cells, before.roots) if before else None
-        self._lattice: LatticeCells | None = None
         self._field: Field | None = None
         self._shared: _Shared
         self._groups: CellGroups
@@ -88,7 +87,7 @@ class MeanDilatation(StepPart):
     def _find_roots(self, rank: RankState) -> None:
         """Set the cells with slaves, and their roots."""
         slaves = rank.slaves
-        self._field = self._lattice = None
+        self._field = None
         self.cells = self.roots = np.zeros(0, np.int64)
         if not len(slaves.keys):
             return
@@ -127,8 +126,9 @@ class MeanDilatation(StepPart):
         if self._apart.shape != p.x.shape:
             self._apart = np.empty_like(p.x)
         found = p._replace(x=self._apart, F=p.cell_F)
-        args = scene.setting, scene.domain.frame, rank.grid.motion_field, found
-        rank.call(place_particles, *args, rank.lattice_cells().off_lattice)
+        setting = scene.setting_lagrangian if scene.settings.mixed else scene.setting
+        args = setting, scene.domain.frame, rank.grid.motion_field, found
+        rank.call(place_particles, *args, self._particles(rank))
         self._average(rank, p.cell_F)
         return forcing
 
@@ -151,15 +151,14 @@ class MeanDilatation(StepPart):
 
     def _located(self, rank: RankState) -> CellGroups:
         """The rank's groups; collective when planes or window have changed."""
-        moved, lattice = self._field is not rank.grid.field, rank.lattice_cells()
-        if not moved and self._lattice is lattice:
+        moved, rows = self._field is not rank.grid.field, self._particles(rank).rows
+        if not moved and (self._rows is rows or np.array_equal(self._rows, rows)):
             return self._groups
-        rows = lattice.off_lattice.rows
         cells = self._numbers(rank, rows)
         own = np.unique(cells)
         if moved:
             self._find_shared(own)
-        self._field, self._lattice = rank.grid.field, lattice
+        self._field, self._rows = rank.grid.field, rows
         # All cells of the rank's groups, by group.
         every = np.unique(np.concatenate([own, self._shared.cells]))
         every = every[np.isin(self._group_of(every), self._group_of(own))]
@@ -177,6 +176,14 @@ class MeanDilatation(StepPart):
         self._places = np.full(len(shared), -1)
         self._places[known] = place[np.searchsorted(every, shared[known])]
         return self._groups
+
+    def _particles(self, rank: RankState) -> Order:
+        """The particles with means over what their cells hold."""
+        if not self.scene.settings.mixed:
+            return rank.lattice_cells().off_lattice  # type: ignore[no-any-return]
+        order = rank.population.ordered
+        mine = self.scene.settings.lagrangian[rank.population.columns.body[order.rows]]
+        return Order(order.rows[mine], np.concatenate([[0], np.cumsum(mine)])[order.start])
 
     def _find_shared(self, own: np.ndarray) -> None:
         """Find the cells whose sums other ranks need, given the rank's cells; collective."""

@@ -7,6 +7,9 @@ to its place. Its force and its mass go to that cell's vertices with the same we
 are kept, so that momentum and angular momentum stay exact. After Badia, Verdugo and Martin, The
 aggregated unfitted finite element method, Comput. Meth. Appl. Mech. Engng 336, 533-553 (2018).
 
+Where no such cell is near, as in bodies thinner than two cells, a vertex stays free. If it is too
+light for usual steps it has mass of others of its cells: the body has the same mass.
+
 All ranks have the table of all slaves; each folds what belongs to its planes, in the order of the
 vertices. So no bit depends on the ranks.
 """

@@ -98,12 +98,14 @@ def _joined(rank: Rank, values: np.ndarray) -> np.ndarray:
 def _sums(rank: Rank, order: Order | None = None) -> tuple[np.ndarray, np.ndarray]:
     """Mass and momentum at a rank's vertices, zero without particles, by plane, field, y, z.
 
-    Of all particles, or of those of an `order` of one group.
+    Of all particles, or of those of an `order`, in the initial configuration.
     """
     scene, grid = rank.scene, rank.grid
     groups = groups_of(rank)
-    if order is not None:
-        groups = (replace(groups[0], order=order),)
+    if order is not None:  # kernels take as many groups as ever
+        none = Order(order.rows[:0], np.zeros_like(order.start))
+        groups = (*(replace(each, order=none) for each in groups[:-1]),
+                  replace(groups[-1], order=order))  # fmt: skip
     sum_particles(
         rank, groups, scene.interaction.loads.at(0.0), bool(scene.interaction.loads.constraints)
     )
@@ -134,7 +136,7 @@ def _find_slaves(rank: Rank) -> None:
     shape = grid.by_vertex(grid.G).shape[:-1]
     volume, exact = np.zeros(shape), np.zeros(shape, bool)
     masses = np.zeros((len(scene.body_names), shape[0], *shape[2:]))
-    for b in range(len(masses)):
+    for b in np.flatnonzero(scene.settings.lagrangian).tolist():
         mine = particles.body[order.rows] == b
         edges = np.concatenate([[0], np.cumsum(mine)])[order.start]
         mass, momentum = _sums(rank, Order(order.rows[mine], edges))

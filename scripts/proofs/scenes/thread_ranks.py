@@ -26,6 +26,7 @@ def prepare():
     row = SimpleNamespace(Commit=lambda: None, Free=lambda: None)
     constants = SimpleNamespace(
         MAX="max",
+        MIN="min",
         SUM="sum",
         BOR="bor",
         COMM_TYPE_SHARED="shared",
@@ -129,7 +130,7 @@ class Comm:
         if operation == "sum":
             every[...] = sum(parts)
         else:
-            unite = {"max": np.maximum, "bor": np.bitwise_or}[operation]
+            unite = {"max": np.maximum, "min": np.minimum, "bor": np.bitwise_or}[operation]
             every[...] = unite.reduce(parts)
 
     def Bcast(self, array, root=0):

@@ -91,6 +91,21 @@ def test_edges_and_corners_of_a_turned_box():
         assert area == pytest.approx(sides.prod() / sides[axis], rel=5e-3)
 
 
+@pytest.mark.parametrize("angles", [(0.0, 0.0), (17.0, 0.0), (17.0, 31.0)])
+def test_facets_have_the_second_moments_of_the_surface(angles):
+    """Integrals of x_i x_j n over it, which are those of derivatives over the volume."""
+    middle, sides, axes = np.array([4.11, 4.07, 4.23]), np.array([4.0, 3.0, 3.5]), turned(angles)
+    facets = found(block(middle, sides, axes), 3)
+    x, edges = facets.x - middle, facets.edges
+    second = x[:, :, None] * x[:, None] + np.einsum("nki,nkj->nij", edges, edges) / 3.0
+    whole = np.einsum("n,nij,nk->ijk", facets.area, second, facets.normal)
+    np.testing.assert_allclose(whole, 0.0, atol=2e-3)
+    some = facets.normal @ axes[1] > 0.99  # of a face: about its middle
+    away = second[some] - 1.5**2 * np.outer(axes[1], axes[1])
+    whole = np.einsum("n,nij->ij", facets.area[some], axes @ away @ axes.T)
+    np.testing.assert_allclose(np.diag(whole)[[0, 2]], 14.0 * sides[[0, 2]] ** 2 / 12.0, rtol=2e-3)
+
+
 def test_faces_that_bodies_go_on_behind_have_no_facets():
     region = Box(min=[-1.0, 2.0], max=[4.2, 6.1])
     facets = facets_of(

@@ -99,9 +99,9 @@ SCENES = (
         "averaged is for particles with a size: points may leave a vertex of '{a.name}' hardly any "
         "mass", "take gimp, or lumped"),
     # Bodies exact to their surface.
-    Exclusion(f.exact_surface, f.in_current,
-        "is for scenes in the initial configuration, but '{b.name}' is in the current one:",
-        "take configuration: initial for all bodies, or surface: cut"),
+    Exclusion(f.exact_surface, f.whole_beside_current,
+        "is for all bodies in the initial configuration, if others are in the current one, but "
+        "'{b.name}' is whole:", "take surface: cut for both"),
     *(
         Exclusion(f.exact_surface, feature, f"{why}:", "take surface: cut")
         for feature, why in (

@@ -11,7 +11,8 @@ from pgimp.kernels.data.particles import FloatArray, IntArray
 #: A facet near another body, in a step: the facet, the other body, its facet next to the first one,
 #: and the number of the other body's side there, see `find_patch_pairs`. Then the gap between both,
 #: the facet's weight in its patch, the place of its centroid in the other body's cell, and the
-#: normal there, out of the other body.
+#: normal there, out of the other body. Half-edges there, and an offset of the place, in cells, are
+#: those of facets that touch, see `pgimp.kernels.contact.surfaces.spread`; zero of others.
 NEAR_FACET = structure(
     ("facet", "i8"),
     ("body", "i8"),
@@ -21,6 +22,8 @@ NEAR_FACET = structure(
     ("weight", "f8"),
     ("place", "f8", 3),
     ("normal", "f8", 3),
+    ("edges", "f8", (2, 3)),
+    ("offset", "f8", 3),
 )
 
 
@@ -37,6 +40,8 @@ class Surface(NamedTuple):
     body: IntArray  #: (n,) int64: Bodies; rigid ones come after the others.
     cell: IntArray  #: (n,) int64: Numbers in `SurfaceCells`; -1 on rigid bodies.
     place: FloatArray  #: (n, 3) float64: Places in the cells, in cells from their first vertices.
+    #: (n, 2, 3) float64: Half-edges of parallelograms with their second moments.
+    edges: FloatArray
     tip: NDArray[np.uint8]  #: (n,): 1 beside a sharp edge, where both bodies' facets look.
     #: start, beside: (n + 1,) and (k,) int64: Neighbours of each facet.
     start: IntArray
@@ -44,6 +49,7 @@ class Surface(NamedTuple):
     #: now, turned: (n, 3) float64: Centroids and unit normals in this step, where they matter.
     now: FloatArray
     turned: FloatArray
+    extent: FloatArray  #: (n, 2, 3) float64: Likewise half-edges.
 
 
 class SurfaceCells(NamedTuple):
@@ -55,6 +61,7 @@ class SurfaceCells(NamedTuple):
     start: IntArray
     column: IntArray
     weight: FloatArray  #: (k, 2^D) float64: Weights of each at the cell's vertices.
+    beside: IntArray  #: (m, 6) int64: Cells below and above along each direction, or -1.
 
 
 def no_facets(count: int) -> NDArray:

@@ -9,6 +9,7 @@ from math import inf, sqrt
 
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.kernels.contact.surfaces.motion import deform, set_polynomial, turned_normal
+from pgimp.kernels.contact.surfaces.spread import mean_position, spread_weights
 
 #: Greatest cosine between normals of facets that meet; above `OPPOSED` they meet less readily than
 #: others: at an edge a face meets the other face that it lies on, not the one beside it. Weight of
@@ -20,6 +21,10 @@ APART = 2.0
 
 #: Greatest cosine between normals of facets with a gap: others are beside an edge.
 FACES = -0.1
+
+#: Cosine below which facets that others look for leave it to these, and least one of facets of one
+#: face.
+STEEP, _ALIKE = -0.8, 0.9
 
 #: Weight of the distance along a facet, so that one of several in a plane is next to a point.
 _ALONG = 1e-6
@@ -38,6 +43,9 @@ _BESIDE, _BESIDE_BEFORE, _BESIDE_BEHIND = 1e-3, 0.5, 0.15
 #: Depth in cells beyond which a point is not in a surface, but in what is behind, and cells within
 #: which facets are next to each other.
 DEEPEST, FARTHEST = 0.25, 0.5
+
+#: Cells of gap below which a facet is all its area, and not its centroid alone.
+_SPREADS = 0.05
 
 #: Depth in cells beyond which a point has to be behind the facets round an edge as well.
 _EDGE = 0.01
@@ -113,7 +121,7 @@ def _solve_place(frame, low, x, scratch, place):
     `low` is the cell's first vertex, with the displacement in `scratch`. Returns whether it is
     found.
     """
-    D, (F, P, y), most = len(frame.cell), scratch, inf
+    D, (F, P, y, _), most = len(frame.cell), scratch, inf
     for _ in range(_NEWTON):
         for d in range(3):
             y[d] = low[d]
@@ -159,37 +167,95 @@ def _rigid_place(rigid_bodies, surface, x, near):
 
 
 @inner_kernel
-def _find_gap(frame, rigid_bodies, surface, cells, scratch, near):
+def _find_gap(frame, rigid_bodies, surface, moved, scratch, near):
     """Set gap, place and normal of a facet's centroid at another body's surface."""
-    D, s, f, F = len(frame.cell), near.facet, near.other, scratch[0]
+    D, s, F, (cells, u) = len(frame.cell), near.facet, scratch[0], moved
     x = (surface.now[s, 0], surface.now[s, 1], surface.now[s, 2])
-    c, length, close = surface.cell[f], 1.0, True
-    if c < 0:
-        _rigid_place(rigid_bodies, surface, x, near)
-    else:
-        for d in range(3):
-            near.place[d] = surface.place[f, d]
-        close = _solve_place(frame, cells.low[c], x, scratch, near.place)
-        n, J = turned_normal(F, surface.normal[f]), 0.0
-        for j in range(3):
-            J += F[0, j] * _cofactor(F, 0, j)
-        length = sqrt(n[0] ** 2 + n[1] ** 2 + n[2] ** 2)
-        for d in range(3):
-            near.normal[d] = n[d] / length
-        length /= J
-    phi, beside, least = 0.0, 0.0, inf
+    least, phi, length, beside = frame.cell[0], 0.0, 1.0, inf
     for d in range(D):
         least = min(least, frame.cell[d])
-        phi += (_own(frame, cells, c, near, d) - surface.x[f, d]) * surface.normal[f, d]
-    near.gap = phi / length
-    for d in range(D):
-        y = _own(frame, cells, c, near, d) - phi * surface.normal[f, d]
-        beside = max(beside, abs(y - surface.middle[f, d]) - surface.half[f, d])
-    most = _BESIDE * least + max(_BESIDE_BEFORE * phi, -_BESIDE_BEHIND * phi)
-    if not (close and beside <= most and -DEEPEST * least <= near.gap < inf):
+    for attempt in range(2):
+        f, c, close = near.other, surface.cell[near.other], True
+        length, phi = 1.0, 0.0
+        if c < 0:
+            _rigid_place(rigid_bodies, surface, x, near)
+        else:
+            if attempt > 0:
+                set_polynomial(D, cells, c, u, scratch[1])
+            for d in range(3):
+                near.place[d] = surface.place[f, d]
+            close = _solve_place(frame, cells.low[c], x, scratch, near.place)
+            n, J = turned_normal(F, surface.normal[f]), 0.0
+            for j in range(3):
+                J += F[0, j] * _cofactor(F, 0, j)
+            length = sqrt(n[0] ** 2 + n[1] ** 2 + n[2] ** 2)
+            for d in range(3):
+                near.normal[d] = n[d] / length
+            length /= J
+        for d in range(D):
+            phi += (_own(frame, cells, c, near, d) - surface.x[f, d]) * surface.normal[f, d]
+        near.gap = phi / length
+        most = _BESIDE * least + max(_BESIDE_BEFORE * phi, -_BESIDE_BEHIND * phi)
+        beside = _beyond(D, frame, cells, surface, c, near, f) - most
+        if not (close and beside > 0.0 and abs(near.gap) < FARTHEST * least):
+            break
+        # Facets are no discs: the one that it is over may be beside the nearest one.
+        for k in range(surface.start[f], surface.start[f + 1]):
+            m, alike = surface.beside[k], 0.0
+            for d in range(D):
+                alike += surface.normal[m, d] * surface.normal[f, d]
+            if alike > _ALIKE and _beyond(D, frame, cells, surface, c, near, m) <= most:
+                near.other = m
+                break
+        if near.other == f:
+            break
+    f, c = near.other, surface.cell[near.other]
+    if not (close and beside <= 0.0 and -DEEPEST * least <= near.gap < inf):
         near.gap = inf
     elif near.gap < -_EDGE * least and _before_another(D, frame, cells, surface, c, near):
         near.gap = inf
+    for d in range(3):
+        near.offset[d] = near.edges[0, d] = near.edges[1, d] = 0.0
+    if c >= 0 and near.gap < _SPREADS * least:
+        _spread(frame, surface, (cells, c, u), x, scratch, near)
+        for d in range(D):
+            near.gap += near.offset[d] * frame.cell[d] * surface.normal[f, d] / length
+
+
+@inner_kernel
+def _beyond(D, frame, cells, surface, c, near, f):
+    """Greatest length by which a place is beside the part of a box that facet `f` is in."""
+    phi, beside = 0.0, -inf
+    for d in range(D):
+        phi += (_own(frame, cells, c, near, d) - surface.x[f, d]) * surface.normal[f, d]
+    for d in range(D):
+        y = _own(frame, cells, c, near, d) - phi * surface.normal[f, d]
+        beside = max(beside, abs(y - surface.middle[f, d]) - surface.half[f, d])
+    return beside
+
+
+@inner_kernel
+def _spread(frame, surface, there, x, scratch, near):
+    """Set edges and offset of a facet in the other body.
+
+    Of its pieces there the mean position is that of its place to first order. The offset leads from
+    there to the facet's own mean position `x`, so that angular momentum is kept.
+    """
+    D, (F, P, y, pieces), (cells, c, u) = len(frame.cell), scratch, there
+    deform(frame, P, near.place, y, F)
+    J = 0.0
+    for j in range(3):
+        J += F[0, j] * _cofactor(F, 0, j)
+    for d in range(D):
+        for i in range(3):
+            part = _cofactor(F, i, d) * frame.inverse[d] / J
+            near.edges[0, d] += part * surface.extent[near.facet, 0, i]
+            near.edges[1, d] += part * surface.extent[near.facet, 1, i]
+    count = spread_weights(D, cells, c, near, pieces)
+    mean_position(frame, cells, u, pieces, count, y)
+    for d in range(D):
+        for i in range(3):
+            near.offset[d] += _cofactor(F, i, d) * frame.inverse[d] / J * (x[i] - y[i])
 
 
 @inner_kernel
@@ -260,7 +326,9 @@ def find_gaps(frame, rigid_bodies, walls, surface, moved, scratch, far, every):
             if c >= 0 and c != last:
                 set_polynomial(D, cells, c, u, scratch[1])
                 last = c
-            _find_gap(frame, rigid_bodies, surface, cells, scratch, near)
+            own = near.other
+            _find_gap(frame, rigid_bodies, surface, moved, scratch, near)
+            last = last if near.other == own else -1
         same = 0.0
         for d in range(3):
             same += surface.turned[s, d] * near.normal[d]

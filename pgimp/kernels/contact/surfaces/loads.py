@@ -57,21 +57,23 @@ def _along(x, place, t):
 def _find_pressure(surface, group, place, tangents, cell):
     """The numbers alpha and beta of a pressure without tension, and whether they are found.
 
-    By Newton's method on the facets under pressure, all at first. `group` is facets, first and end,
-    side and least gap. Without a solution the pressure is even.
+    By Newton's method on the facets under pressure, all at first. `group` is facets, first and end;
+    their weights are the areas that may press. Without a solution the pressure is even.
     """
-    (every, first, last, side, least), (s, t), whole = group, tangents, 0.0
+    (every, first, last), (s, t), whole = group, tangents, 0.0
     for n in range(first, last):
-        whole += pressing(surface, every[n], side, least, cell)
+        whole += every[n].weight
     a, b, c = 1.0 / whole, 0.0, 0.0
     for iteration in range(_NEWTON):
         r, rx, ry, m, mx, my, mxx, mxy, myy = 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         for n in range(first, last):
-            area = pressing(surface, every[n], side, least, cell)
+            area = every[n].weight
+            if area == 0.0:
+                continue
             x = _along(surface.now[every[n].facet], place, s)
             y = _along(surface.now[every[n].facet], place, t)
             q = a + b * x + c * y
-            if area > 0.0 and q > 0.0:
+            if q > 0.0:
                 r -= area * q
                 rx -= area * q * x
                 ry -= area * q * y
@@ -176,7 +178,7 @@ def add_loads(contact, contact_pairs, coupling, solved, frame, surface, every, s
     surface : Surface
         The facets, where they are.
     every : (n,) NEAR_FACET
-        Facets with gaps and sides, in the order of the pairs.
+        Facets with gaps and sides, in the order of the pairs; weights are set here.
     step : (float, (rows, LOADS) float64, (facets,) int64, (bodies,) int64, (rows + 1,) int64)
         Length of the step; the loads; numbers of the facets of rigid bodies with prescribed motion,
         -1 of others; the first row of these for each other body; scratch.
@@ -219,7 +221,9 @@ def add_loads(contact, contact_pairs, coupling, solved, frame, surface, every, s
         )
         sign, place = 1.0 if swapped else -1.0, contact_pairs.rigid[k, 2]
         tangents = _tangents(row.normal)
-        group = (every, first, last, side, least)
+        for n in range(first, last):
+            every[n].weight = pressing(surface, every[n], side, least, cell)
+        group = (every, first, last)
         a, b, c, _ = _find_pressure(surface, group, place, tangents, cell)
         own = (sign * J[0], sign * J[1], sign * J[2])
         other = (-own[0], -own[1], -own[2])
@@ -227,7 +231,7 @@ def add_loads(contact, contact_pairs, coupling, solved, frame, surface, every, s
             s = every[n].facet
             q = a + b * _along(surface.now[s], place, tangents[0])
             q += c * _along(surface.now[s], place, tangents[1])
-            part = pressing(surface, every[n], side, least, cell) * max(0.0, q)
+            part = every[n].weight * max(0.0, q)
             if part > 0.0:
                 given = (own, pressed, sqrt(square), heat)
                 _give(rows, _row(rows, s, every[n].body), part, given)

@@ -68,6 +68,34 @@ def turned_normal(F, normal):
     return x, y, z
 
 
+@inner_kernel
+def set_means(D, place, edges, hats):
+    """Set the means of the weights of a cell's vertices over a parallelogram about a place."""
+    for corner in range(1 << D):
+        w = hat(D, place, corner)
+        for i in range(D):
+            for j in range(i + 1, D):
+                product = (edges[0, i] * edges[0, j] + edges[1, i] * edges[1, j]) / 3.0
+                if (corner >> (D - 1 - i) & 1) != (corner >> (D - 1 - j) & 1):
+                    product = -product
+                for d in range(D):
+                    if d != i and d != j:
+                        product *= place[d] if corner >> (D - 1 - d) & 1 else 1.0 - place[d]
+                w += product
+        hats[corner] = w
+
+
+@inner_kernel
+def set_own_means(frame, surface, f, pieces):
+    """Set the means of the weights of a facet's own cell over it, the first of `pieces`."""
+    edges = pieces[2][0]
+    for d in range(3):
+        inverse = frame.inverse[d] if d < len(frame.cell) else 0.0
+        edges[0, d] = surface.edges[f, 0, d] * inverse
+        edges[1, d] = surface.edges[f, 1, d] * inverse
+    set_means(len(frame.cell), surface.place[f], edges, pieces[1][0])
+
+
 @inlined
 def _move_rigid(rigid_bodies, surface, f):
     """Move a facet of a rigid body."""
@@ -76,15 +104,19 @@ def _move_rigid(rigid_bodies, surface, f):
     row = rigid_bodies.motion[surface.body[f] - rigid_bodies.bodies]
     for d in range(3):
         x, n = row.centre[d], 0.0
+        for side in range(2):
+            surface.extent[f, side, d] = 0.0
         for k in range(3):
             x += row.rotation[d, k] * (surface.x[f, k] - row.reference[k])
             n += row.rotation[d, k] * surface.normal[f, k]
+            for side in range(2):
+                surface.extent[f, side, d] += row.rotation[d, k] * surface.edges[f, side, k]
         surface.now[f, d], surface.turned[f, d] = x, n
 
 
 @kernel
 def move_facets(frame, rigid_bodies, surface, cells, u, some, scratch):
-    """Set the current centroids and normals of some facets.
+    """Set the mean current positions, half-edges and normals of some facets.
 
     Parameters
     ----------
@@ -92,10 +124,10 @@ def move_facets(frame, rigid_bodies, surface, cells, u, some, scratch):
         Displacements of the surface vertices.
     some : (n,) int64
         The facets.
-    scratch : ((3, 3) float64, (2^D, 3) float64, (3,) float64)
-        Scratch.
+    scratch : ((3, 3) float64, (2^D, 3) float64, (3,) float64, pieces)
+        Scratch; the last as of `spread_weights`.
     """
-    D, (F, P, _), last = len(frame.cell), scratch, -1
+    D, (F, P, _, pieces), last = len(frame.cell), scratch, -1
     for n in range(len(some)):
         f = some[n]
         c = surface.cell[f]
@@ -105,9 +137,17 @@ def move_facets(frame, rigid_bodies, surface, cells, u, some, scratch):
         if c != last:
             set_polynomial(D, cells, c, u, P)
             last = c
+        deform(frame, P, surface.place[f], surface.now[f], F)
+        set_own_means(frame, surface, f, pieces)
         for i in range(3):
             surface.now[f, i] = surface.x[f, i]
-        deform(frame, P, surface.place[f], surface.now[f], F)
+            for corner in range(1 << D):
+                surface.now[f, i] += pieces[1][0, corner] * u[cells.corners[c, corner], i]
+            for side in range(2):
+                whole = 0.0
+                for j in range(3):
+                    whole += F[i, j] * surface.edges[f, side, j]
+                surface.extent[f, side, i] = whole
         normal = turned_normal(F, surface.normal[f])
         length = sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
         for d in range(3):

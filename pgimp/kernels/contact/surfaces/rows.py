@@ -23,8 +23,9 @@ from math import inf, sqrt
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.kernels.contact.data import clear_pair
 from pgimp.kernels.contact.lagrangian.coupling import set_answer
-from pgimp.kernels.contact.surfaces.motion import hat
+from pgimp.kernels.contact.surfaces.motion import set_own_means
 from pgimp.kernels.contact.surfaces.pressed import faces, pressed_area
+from pgimp.kernels.contact.surfaces.spread import spread_weights
 from pgimp.kernels.rigid.bodies import arm_of
 from pgimp.physics.contact.base import TIED
 
@@ -43,7 +44,7 @@ NEAR, SOON, TOUCHES = 0.25, 4.0, 1e-3
 
 #: Cells by which overlapping surfaces part in a step, at most; others than rigid ones beyond what
 #: compliance takes, see `soften`.
-PARTS = 1e-3
+PARTS = 2e-5
 
 #: Least cosine between normals on one side of a body.
 _ONE_SIDE = 0.7
@@ -152,27 +153,32 @@ def _add_cell(D, cells, c, sums, r, used, seen, coupling):
 
 
 @inner_kernel
-def _add_row(D, surface, cells, group, own, at, scratch, coupling):
+def _add_row(frame, surface, cells, group, own, at, scratch, coupling):
     """Add a row of a patch's own body, or of the other; returns the number of entries.
 
     `group` are facets with their weights, the first and the end of the patch's; `at` the number of
     the row, and of entries so far.
     """
-    (_, seen, sums), (every, first, last), (r, used), c = scratch, group, at, -1
+    (_, seen, sums, pieces), (every, first, last), (r, used), c = scratch, group, at, -1
+    D = len(frame.cell)
     for n in range(first, last):
         part = every[n].weight
         if part == 0.0:
             continue
         f = every[n].facet if own else every[n].other
-        if surface.cell[f] != c:
-            if c >= 0:
-                used = _add_cell(D, cells, c, sums, r, used, seen, coupling)
-            c = surface.cell[f]
-        for corner in range(1 << D):
-            if own:
-                sums[corner] += part * hat(D, surface.place[f], corner)
-            else:
-                sums[corner] += part * hat(D, every[n].place, corner)
+        count = 1
+        if own:
+            pieces[0][0] = surface.cell[f]
+            set_own_means(frame, surface, f, pieces)
+        else:
+            count = spread_weights(D, cells, surface.cell[f], every[n], pieces)
+        for m in range(count):
+            if pieces[0][m] != c:
+                if c >= 0:
+                    used = _add_cell(D, cells, c, sums, r, used, seen, coupling)
+                c = pieces[0][m]
+            for corner in range(1 << D):
+                sums[corner] += part * pieces[1][m, corner]
     return _add_cell(D, cells, c, sums, r, used, seen, coupling) if c >= 0 else used
 
 
@@ -240,7 +246,8 @@ def _set_pair(contact, surface, group, side, law, size, pair):
     for d in range(3):
         row.normal[d] /= sqrt(square)
         rigid[2, d] /= whole
-    row.gap_rate = gap / dt
+    # Facets beyond these are of material in the current configuration: it does not part.
+    row.gap_rate = (gap if every[first].other < len(surface.patch) else max(gap, 0.0)) / dt
     row.adhesion, row.shear_adhesion = normal * glued * dt, shear * glued * dt
     for n in range(first, last):
         every[n].weight /= whole
@@ -278,8 +285,8 @@ def find_patch_pairs(
         Facets with their gaps, by patch and other body. Sides and weights are set here.
     step : (float, float)
         Length of the step, and greatest speed of a vertex or of a rigid body.
-    scratch : ((m, NUMBERS) float64, (2, m) int64, (2^D,) float64)
-        The records of `ReferenceVertices`, and scratch.
+    scratch : ((m, NUMBERS) float64, (2, m) int64, (2^D,) float64, pieces)
+        The records of `ReferenceVertices`, and scratch; the last as of `spread_weights`.
     found : (ContactPairs, Coupling)
         Filled: pairs, with room for one each `n`, and their rows, as far as there is room.
 
@@ -288,7 +295,7 @@ def find_patch_pairs(
     tuple of 3 int
         Numbers of pairs, rows and entries.
     """
-    D, (numbers, seen, sums), (dt, fastest) = len(frame.cell), scratch, step
+    D, (numbers, seen, sums, _), (dt, fastest) = len(frame.cell), scratch, step
     contact_pairs, coupling = found
     cell = frame.cell[0]
     for d in range(D):
@@ -329,7 +336,7 @@ def find_patch_pairs(
                     continue
                 end.rows[a] = rows
                 at = rows, used
-                used = _add_row(D, surface, cells, group, own, at, scratch, coupling)
+                used = _add_row(frame, surface, cells, group, own, at, scratch, coupling)
                 start[rows + 1] = used
                 if used <= len(coupling.column):
                     set_answer(coupling, rows, numbers)

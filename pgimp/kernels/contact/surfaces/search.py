@@ -3,13 +3,10 @@
 from math import inf
 
 from pgimp.jit.kernel import inner_kernel, kernel
-from pgimp.kernels.contact.surfaces.gaps import apart, reluctance
+from pgimp.kernels.contact.surfaces.gaps import STEEP, apart, reluctance
 from pgimp.kernels.data.motion import DISPLACEMENT
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.once.neighbours import first_not_below
-
-#: Cosine between normals below which facets at tips leave it to the other body's to look.
-STEEP = -0.8
 
 
 @kernel

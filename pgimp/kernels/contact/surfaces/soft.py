@@ -164,7 +164,7 @@ def soften(contact, kept, contact_pairs, coupling, solved, sizes, scratch):
         # Half of what the last step's impulses give: the depth of the compliance itself.
         deep = before[k] - _normal_velocity(contact, contact_pairs, k, coupling, solved)
         row.gap_rate = max(row.gap_rate, -parts / dt - 2.0 * max(deep, 0.0))
-        if _is_second(contact_pairs.ends[k]):
+        if _is_second(contact_pairs.ends[k]) or row.gap_rate == 0.0:  # no gap corrects it
             row.gap_rate -= deep
 
 

@@ -10,9 +10,9 @@ from pgimp.scene.bodies.surfaces.beside import beside
 #: Greatest cosine between normals of two faces.
 FLAT = 0.8
 
-#: Moments across the normal, over area times size, above which an element has several faces; and
-#: least area of one of these.
-_BENT = 0.02
+#: Moments across the normal, over area times size, above which an element has several faces, and
+#: least area of one of these; what their areas may lack of the element's.
+_BENT, _LACKS = 1e-3, 0.02
 
 #: Distance of elements beside an edge, over twice the half-sides of their boxes.
 _NEAR = 1.6
@@ -34,7 +34,7 @@ def parted(elements: Elements) -> Elements:
     length = np.minimum(reach, area ** (1.0 / (D - 1)) if D > 1 else reach)
     bent = np.sqrt((askew * askew).sum(axis=(1, 2))) > _BENT * area * length
     some = np.flatnonzero(bent & (area > 0.0))
-    plain = np.flatnonzero(~bent & (area > _BENT * reach ** (D - 1)))
+    plain = np.flatnonzero(~bent & (area > _LACKS * reach ** (D - 1)))
     normals, count = _normals(elements, normal, reach, some, plain)
     keep, rows, numbers, parts = np.ones(len(area), bool), [], [], []
     for k in range(2, D + 1):
@@ -44,22 +44,25 @@ def parted(elements: Elements) -> Elements:
         each = (elements.area[own, :, None] * dual).sum(axis=1)
         whole = each > _BENT * area[own, None]
         rest = elements.area[own] - ((each * whole)[:, :, None] * every).sum(axis=1)
-        far = np.sqrt((rest * rest).sum(axis=1)) > _BENT * area[own]
-        good = ~far & ~(each < -_BENT * area[own, None]).any(axis=1)
+        far = np.sqrt((rest * rest).sum(axis=1)) > _LACKS * area[own]
+        good = ~far & ~(each < -_LACKS * area[own, None]).any(axis=1)
         keep[own[good]] = False
         row, i = np.nonzero(whole & good[:, None])
         moment = (elements.moment[own[row]] * dual[row, None, :, i]).sum(axis=2)
+        second = (elements.second[own[row]] * dual[row, None, :, i]).sum(axis=2)
         of = every[row, i]
         rows.append(own[row])
         numbers.append(i)
-        parts.append((each[row, i, None] * of, moment[:, :, None] * of[:, None]))
+        faces = moment[:, :, None] * of[:, None], second[:, :, None] * of[:, None]
+        parts.append((each[row, i, None] * of, *faces))
     if keep.all():
         return elements
     found, i = np.concatenate(rows), np.concatenate(numbers)
     order = np.lexsort((i, found))
-    areas, moments = (np.concatenate(each)[order] for each in zip(*parts, strict=True))
-    faces = elements.chosen(found[order])._replace(area=areas, moment=moments)
-    both = zip(elements.chosen(keep), faces, strict=True)
+    areas, moments, seconds = (np.concatenate(each)[order] for each in zip(*parts, strict=True))
+    several = elements.chosen(found[order])
+    several = several._replace(area=areas, moment=moments, second=seconds)
+    both = zip(elements.chosen(keep), several, strict=True)
     return Elements(*(np.concatenate(each) for each in both))  # type: ignore[arg-type]
 
 

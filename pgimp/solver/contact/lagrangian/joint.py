@@ -55,7 +55,7 @@ def join(comm: Communicator, root: int, mine: Joint) -> tuple[int, Joint | None]
     unpacked = [
         _unpack(piece, each, *shapes) for piece, each in zip(pieces, every.tolist(), strict=True)
     ]
-    return found, _merged(unpacked)
+    return found, merged(unpacked)
 
 
 def share(comm: Communicator, root: int, changes: Changes | None, extra: np.ndarray) -> Changes:
@@ -79,6 +79,16 @@ def share(comm: Communicator, root: int, changes: Changes | None, extra: np.ndar
     extra[...] = message[7 * m :].reshape(extra.shape)
     velocities, held = message[m : 7 * m].reshape(2, m, 3)
     return Changes(message[:m].view(np.int64), velocities, held)
+
+
+def _by_component(joint: Joint, mirrors: int) -> Joint:
+    """With entries of rows by component, if they have one for all."""
+    coupling = joint.coupling
+    if coupling.entry.shape[1] > 1:
+        return joint
+    beyond = np.zeros((len(coupling.answer), mirrors, 3))
+    coupling = coupling._replace(entry=np.repeat(coupling.entry, 4, axis=1), beyond=beyond)
+    return joint._replace(coupling=coupling)
 
 
 def _used(joint: Joint) -> Joint:
@@ -132,8 +142,12 @@ def _unpack(message: np.ndarray, counts: list[int], width: int, mirrors: int) ->
     )
 
 
-def _merged(every: list[Joint]) -> Joint:
-    """The pairs of all ranks in the order of their vertices."""
+def merged(every: list[Joint], mirrors: int = 0) -> Joint:
+    """The pairs of all ranks, or ways to meet, in the order of their vertices.
+
+    With `mirrors` rows have an entry for each component.
+    """
+    every = [_by_component(each, mirrors) if mirrors else each for each in every]
     keys = np.concatenate([each.vertices.keys for each in every])
     values = np.concatenate([each.vertices.values for each in every])
     keys, first = np.unique(keys, return_index=True)

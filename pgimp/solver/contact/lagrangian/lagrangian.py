@@ -232,7 +232,7 @@ class LagrangianContact(NoContact):
         self._warm_start.keep(pairs, self._dt)
         changes = Changes(keys, *np.empty((2, len(keys), 3)))
         call(find_changes, vertices, solved, changes)
-        if len(mirrors):
+        if coupling.beyond.size:  # rows of surfaces are of vertices that there are
             call(book_mirrored, pairs, coupling, mirrors, ledger)
         self._book(free, pairs, coupling, solved, vertices, ledger)
         return changes

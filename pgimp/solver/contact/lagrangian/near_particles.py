@@ -52,7 +52,8 @@ class NearParticles:
 
     def __init__(self, scene: Scene, comm: Communicator, local: np.ndarray) -> None:
         self.scene, self.comm, self.call, self._local = scene, comm, Bound(), local
-        self._plain, self._exact = plain(scene), bool(scene.settings.exact_surfaces.any())
+        exact = scene.settings.exact_surfaces.any() and not scene.settings.mixed
+        self._plain, self._exact = plain(scene), bool(exact)
         self._kept: dict[str, np.ndarray] = {}
         self._place = b""
         self._supports: dict[str, Supports] = {}

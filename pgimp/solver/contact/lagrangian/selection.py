@@ -149,7 +149,8 @@ class Selector:
         particles = population.columns
         bodies = self.groups, self.fields, scene.settings.lagrangian
         call(copy_near_motion, self._plain, particles, rows, motion)
-        slaves = SlaveKeys(rank, 1 + int(self.fields.max())) if rank.slaves else None
+        exact = rank.slaves and not scene.settings.mixed  # beside others these meet by surfaces
+        slaves = SlaveKeys(rank, 1 + int(self.fields.max())) if exact else None
         if slaves:
             move_to_boxes(scene, particles, rows, motion)
         if anew:

@@ -23,7 +23,7 @@ from pgimp.kernels.contact.lagrangian.reference_grid import (
     read_reference_vertices,
 )
 from pgimp.kernels.contact.lagrangian.rows import Solved
-from pgimp.kernels.contact.surfaces.data import no_facets
+from pgimp.kernels.contact.surfaces.data import Surface, SurfaceCells, no_facets
 from pgimp.kernels.contact.surfaces.gaps import find_gaps
 from pgimp.kernels.contact.surfaces.groups import book_groups, solve_groups
 from pgimp.kernels.contact.surfaces.loads import add_loads
@@ -50,7 +50,7 @@ from pgimp.solver.contact.surfaces.groups import (
 from pgimp.solver.contact.surfaces.kept_forces import KeptForces
 from pgimp.solver.contact.surfaces.loads import SurfaceLoads
 from pgimp.solver.contact.surfaces.overrun import OverrunWatch
-from pgimp.solver.contact.surfaces.proximity import Proximity, Share, U
+from pgimp.solver.contact.surfaces.proximity import Proximity, U
 from pgimp.solver.contact.surfaces.rebounds import rebounds_of
 from pgimp.solver.contact.surfaces.table import Table, table_of
 from pgimp.solver.rank_state import RankState
@@ -158,12 +158,7 @@ class SurfaceContact(LagrangianContact):
                 self.loads.divide(table.surface, proximity.labels, proximity.groups, proximity.met)
         if self.loads:
             self.loads.time += t.dt
-        near = self._proximity.near
-        assert near is not None
-        if needed(near.any):
-            self._act(rank, update, table)
-        else:
-            self._warm_start.clear()
+        self._meet(rank, update, table)
         if free:
             free.end(rigid_bodies, t.dt)
 
@@ -188,21 +183,45 @@ class SurfaceContact(LagrangianContact):
         acts[soft, soft] &= (groups[:, None] != groups) | np.eye(len(groups), dtype=bool)
         return acts.astype(np.uint8)
 
-    def _act(self, rank: RankState, update: VertexUpdate, table: Table) -> None:
-        """Find the gaps, solve for the impulses, and apply them; collective."""
-        scene, contact, call, grid = self.scene, self._contact, self.call, rank.grid
-        t, faces, forcing, ledger = update
-        frame, share = scene.domain.frame, self._proximity.share
-        holding = Holding(faces, frame, forcing, contact.scratch_impulse, forcing.loads.relaxation)
+    def _meet(self, rank: RankState, update: VertexUpdate, table: Table) -> None:
+        """Find the pairs, and exchange impulses; collective."""
+        near = self._proximity.near
+        assert near is not None
+        if needed(near.any):
+            self._act(rank, update, self._joint(rank, update, table))
+        else:
+            self._warm_start.clear()
+
+    def _holding(self, update: VertexUpdate) -> Holding:
+        """Faces and constraints, for kernels."""
+        scratch, forcing = self._contact.scratch_impulse, update.forcing
+        frame = self.scene.domain.frame
+        return Holding(update.faces, frame, forcing, scratch, forcing.loads.relaxation)
+
+    def _joint(self, rank: RankState, update: VertexUpdate, table: Table) -> Joint:
+        """The pairs of surfaces in the rank's groups; collective."""
+        call, grid, share, proximity = self.call, rank.grid, self._proximity.share, self._proximity
+        frame, rigid, surface = self.scene.domain.frame, self.rigid_bodies, table.surface
+        cells, every, scratch = share.cells, proximity.candidates, proximity.scratch
         values = np.empty(len(share.records), REFERENCE_VERTEX)
-        call(read_reference_vertices, holding, grid.field, share.sent, values)
+        call(read_reference_vertices, self._holding(update), grid.field, share.sent, values)
         speed = greatest(self.comm, float(np.abs(values["velocity"]).max(initial=0.0)))
         u = np.ascontiguousarray(grid.kept.values.reshape(-1, RECORD)[share.records, U])
         u, values = share.gather(self.comm, u), share.gather(self.comm, values)
-        joint = self._pairs(table, share, u, values, (t.dt, speed))
+        call(move_facets, frame, rigid, surface, cells, u, share.moving, scratch)
+        least, dt = min(frame.cell), update.t.dt
+        far = proximity.far, proximity.walks((speed / least + self._rate) * dt)
+        call(find_gaps, frame, rigid, self._walls, surface, (cells, u), scratch, far, every)
+        vertices = ReferenceVertices(share.keys, values)
+        return self._pairs(surface, cells, every, vertices, (dt, speed))
+
+    def _act(self, rank: RankState, update: VertexUpdate, joint: Joint | None) -> None:
+        """Solve for the impulses of the rank's pairs, and apply them; collective."""
+        scene, call, grid, (_, _, forcing, ledger) = self.scene, self.call, rank.grid, update
+        frame, holding = scene.domain.frame, self._holding(update)
         self._books = np.empty(0, np.int64), books_of(ledger, 0)
         changes = Changes(np.empty(0, np.int64), *np.empty((2, 0, 3)))
-        if needed(len(joint.pairs.ends)):
+        if joint is not None and needed(len(joint.pairs.ends)):
             changes = self._solve(joint, nothing_held(holding), ledger)
         else:
             self._warm_start.clear()
@@ -267,23 +286,18 @@ class SurfaceContact(LagrangianContact):
             )  # fmt: skip
 
     def _pairs(
-        self, table: Table, share: Share, u: np.ndarray, values: np.ndarray,
-        step: tuple[float, float],
+        self, surface: Surface, cells: SurfaceCells, every: np.ndarray,
+        reference: ReferenceVertices, step: tuple[float, float],
     ) -> Joint:  # fmt: skip
         """The pairs of patches and other bodies, with their rows of B.
 
         `step` has its length, and the greatest speed of a vertex.
         """
-        call, frame, surface = self.call, self.scene.domain.frame, table.surface
-        proximity, rigid, cells = self._proximity, self.rigid_bodies, share.cells
-        every, scratch = proximity.candidates, proximity.scratch
-        call(move_facets, frame, rigid, surface, cells, u, share.moving, scratch)
-        (dt, speed), least = step, min(frame.cell)
-        fastest = speed + self._rate * least
-        far = proximity.far, proximity.walks(fastest * dt / least)
-        call(find_gaps, frame, rigid, self._walls, surface, (cells, u), scratch, far, every)
-        seen, counts = np.empty((2, len(share.keys)), np.int64), [0, 0]
-        vertices = flat(values), seen, np.empty(2 ** len(frame.cell))
+        call, frame, (dt, speed) = self.call, self.scene.domain.frame, step
+        keys, values = reference
+        fastest = speed + self._rate * min(frame.cell)
+        seen, sums = np.empty((2, len(keys)), np.int64), np.empty(2 ** len(frame.cell))
+        vertices, counts = (flat(values), seen, sums, self._proximity.scratch[-1]), [0, 0]
         if len(self._room[0].ends) < len(every):
             self._room = ContactPairs.empty(len(every)), _rows(len(every), 8 * len(every))
         (pairs, coupling), self._every = self._room, every
@@ -305,7 +319,7 @@ class SurfaceContact(LagrangianContact):
             coupling.start[: rows + 1], coupling.column[:used], coupling.entry[:used],
             coupling.answer[:rows], coupling.beyond[:rows],
         )  # fmt: skip
-        return Joint(pairs.chosen(slice(found)), coupling, ReferenceVertices(share.keys, values))
+        return Joint(pairs.chosen(slice(found)), coupling, reference)
 
 
 def _rows(pairs: int, entries: int) -> Coupling:

@@ -12,6 +12,7 @@ import numpy as np
 from pgimp.jit.bound import Bound
 from pgimp.kernels.contact.surfaces.gaps import DEEPEST
 from pgimp.kernels.contact.surfaces.motion import move_facets
+from pgimp.kernels.contact.surfaces.spread import scratch_of
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.surfaces.table import Table
 from pgimp.solver.time.clock import Step
@@ -75,9 +76,8 @@ class OverrunWatch:
         frame, D, soft = self._scene.domain.frame, self._scene.dimension, self._scene.body_names
         surface = table.surface
         surface = surface._replace(now=surface.x.copy(), turned=surface.normal.copy())
-        scratch = np.zeros((3, 3)), np.zeros((2**D, 3)), np.zeros(3)
         every, deep = np.arange(len(surface.x)), DEEPEST * min(frame.cell)
-        self._call(move_facets, frame, rigid, surface, table.cells, u, every, scratch)
+        self._call(move_facets, frame, rigid, surface, table.cells, u, every, scratch_of(D))
         order = np.lexsort((every, -surface.area, surface.patch))
         some = order[np.unique(surface.patch[order], return_index=True)[1]]
         point, normal, body = surface.now[some], surface.turned[some], surface.body[some]

@@ -18,6 +18,7 @@ from pgimp.kernels.contact.surfaces.search import (
     find_meeting,
     mark_between,
 )
+from pgimp.kernels.contact.surfaces.spread import scratch_of
 from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_VELOCITY
 from pgimp.kernels.data.record import RECORD
 from pgimp.mpi.communicator import Communicator
@@ -114,7 +115,7 @@ class Proximity:
         self.labels, self.root = np.empty(0, np.int64), 0
         self.groups: Groups
         self.share: Share
-        self.scratch = np.zeros((3, 3)), np.zeros((2**scene.dimension, 3)), np.zeros(3)
+        self.scratch = scratch_of(scene.dimension)
         cell, pairs = np.array(scene.domain.frame.cell), scene.interaction.pairs
         adheres = pairs.adhesion[:, 2].max(initial=0.0) if pairs else 0.0
         self.alone = False
@@ -376,6 +377,9 @@ class Proximity:
         marks, used = np.zeros(len(table.keys), bool), np.zeros(len(cells.low), bool)
         some = table.surface.cell[facets]
         used[some[some >= 0]] = True
+        for _ in range(self.scene.dimension - 1):  # facets may reach into cells beside
+            beside = cells.beside[used]
+            used[beside[beside >= 0]] = True
         marks[cells.corners[used].reshape(-1)] = True
         marks[cells.column[np.repeat(used, np.diff(cells.start))]] = True
         return marks, cells

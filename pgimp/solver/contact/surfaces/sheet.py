@@ -66,7 +66,7 @@ class Sheets:
             self._surface, surface = table.surface, table.surface
             self._polygons = polygons_of(
                 Facets(surface.x, surface.normal, surface.area, surface.middle, surface.half,
-                       surface.patch),
+                       surface.edges, surface.patch),
                 surface.body, rank.scene.dimension,
             )  # fmt: skip
         assert self._polygons is not None

@@ -65,6 +65,7 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     letting = {(face.axis, face.side) for face in scene.domain.faces if face.condition.approaches}
     closed = [face for face in scene.interaction.loads.surfaces.closed if face not in letting]
     gone = [scene.body_names.index(name) for name in scene.case.staged.removed]
+    gone += np.flatnonzero(~scene.settings.lagrangian).tolist()  # of these facets know nothing
     here = [number for number in range(len(every)) if number not in gone]
     found = [facets_of(every[number], origin, cell, closed) for number in here]
     body = np.repeat(here, [len(each.x) for each in found])
@@ -78,11 +79,11 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     start, beside = _beside(facets.x, body, float(cell.max()) * _BESIDE[D - 1], D)
     surface = Surface(
         facets.x, facets.normal, facets.middle, facets.half, facets.area, facets.patch, body,
-        index, place, _tips(facets, start, beside), start, beside,
-        np.full((len(body), 3), np.inf), np.zeros((len(body), 3)),
+        index, place, facets.edges, _tips(facets, start, beside), start, beside,
+        np.full((len(body), 3), np.inf), np.zeros((len(body), 3)), np.zeros((len(body), 2, 3)),
     )  # fmt: skip
     keys = np.empty(len(numbers), np.int64)
-    keys_of_vertices(_bits(frame, 1 + max(fields, default=0)), numbers, keys)
+    keys_of_vertices(bits_of(frame, 1 + max(fields, default=0)), numbers, keys)
     number = np.floor((facets.x[:, :D] - origin) / (WIDE * cell)).astype(np.int64)
     _, cluster = np.unique(np.column_stack([body, number]), axis=0, return_inverse=True)
     cluster = cluster.reshape(-1)
@@ -99,8 +100,8 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
 
 
 def _bodies(scene: Scene) -> list[LatticeBody]:
-    found = Lattice(scene.case).bodies
-    assert all(isinstance(body, LatticeBody) for body in found)
+    found, exact = Lattice(scene.case).bodies, scene.settings.exact_surfaces
+    assert all(isinstance(body, LatticeBody) for body, own in zip(found, exact, strict=True) if own)
     return found  # type: ignore[return-value]
 
 
@@ -121,7 +122,7 @@ def _rigid_bodies(scene: Scene) -> list[LatticeBody]:
     return found
 
 
-def _bits(frame: object, fields: int) -> tuple[int, int, int]:
+def bits_of(frame: object, fields: int) -> tuple[int, int, int]:
     """See `pgimp.kernels.contact.lagrangian.reference_grid.key_bits`."""
     most = (*frame.vertices, 1, 1)[1:3]  # type: ignore[attr-defined]
     return (*((int(n) - 1).bit_length() for n in most), (fields - 1).bit_length())  # type: ignore
@@ -186,9 +187,29 @@ def _cells(
     low[:, :D] = origin + places[:, 1:] * cell
     cells = SurfaceCells(
         low, np.searchsorted(every, corners).reshape(-1, len(corner)), start,
-        np.ascontiguousarray(pairs[:, 1]), weights,
+        np.ascontiguousarray(pairs[:, 1]), weights, _cells_beside(places),
     )  # fmt: skip
     return cells, of, np.stack(Vertices.numbers(rank, every), axis=1)
+
+
+def _cells_beside(places: np.ndarray) -> np.ndarray:
+    """The cells below and above along each direction, (m, 6); -1 for none.
+
+    `places` are fields and numbers along the directions, (m, 1 + D), ascending.
+    """
+    found = np.full((len(places), 6), -1)
+    if not len(places):
+        return found
+    inside = places - places.min(axis=0) + 1
+    shape = tuple(inside.max(axis=0) + 2)
+    keys = np.ravel_multi_index(tuple(inside.T), shape)
+    for d in range(1, places.shape[1]):
+        step = int(np.prod(shape[d + 1 :]))
+        for side in (0, 1):
+            moved = keys + (2 * side - 1) * step
+            at = np.minimum(np.searchsorted(keys, moved), len(keys) - 1)
+            found[:, 2 * (d - 1) + side] = np.where(keys[at] == moved, at, -1)
+    return found
 
 
 def _have_mass(rank: RankState, keys: np.ndarray) -> np.ndarray:

@@ -6,16 +6,18 @@ import pytest
 from pgimp.jit.kernel import kernel
 from pgimp.kernels.contact.surfaces.data import Surface, no_facets
 from pgimp.kernels.contact.surfaces.loads import _find_pressure
-from pgimp.kernels.contact.surfaces.pressed import pressed_area
+from pgimp.kernels.contact.surfaces.pressed import pressed_area, pressing
 
 
 @kernel
 def _press(surface, every, place, found):
-    group = (every, 0, len(every), 0, 0.0)
+    found[4] = pressed_area(surface, every, 0, len(every), 0, 0.0, 1.0)
+    for n in range(len(every)):
+        every[n].weight = pressing(surface, every[n], 0, 0.0, 1.0)
+    group = (every, 0, len(every))
     tangents = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
     a, b, c, good = _find_pressure(surface, group, place, tangents, 1.0)
     found[0], found[1], found[2], found[3] = a, b, c, 1.0 if good else 0.0
-    found[4] = pressed_area(surface, every, 0, len(every), 0, 0.0, 1.0)
 
 
 def patch(columns, rows):
@@ -27,8 +29,9 @@ def patch(columns, rows):
     half[:, :2] = 0.5 / columns, 0.5 / rows
     surface = Surface(
         x, normal, x.copy(), half, np.full(n, 1.0 / n), np.zeros(n, np.int64),
-        np.zeros(n, np.int64), np.full(n, -1), np.zeros((n, 3)), np.zeros(n, np.uint8),
-        np.zeros(n + 1, np.int64), np.zeros(0, np.int64), x.copy(), normal.copy(),
+        np.zeros(n, np.int64), np.full(n, -1), np.zeros((n, 3)), np.zeros((n, 2, 3)),
+        np.zeros(n, np.uint8), np.zeros(n + 1, np.int64), np.zeros(0, np.int64), x.copy(),
+        normal.copy(), np.zeros((n, 2, 3)),
     )  # fmt: skip
     every = no_facets(n)
     every["facet"], every["normal"], every["side"] = np.arange(n), [0.0, 0.0, -1.0], 0

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from scenes import SOFT, finish, scene, start
 
+from pgimp.kernels.contact.lagrangian.books import book_mirrored
 from pgimp.kernels.contact.lagrangian.reference_grid import key_bits, key_of_vertex
 from pgimp.kernels.contact.lagrangian.reference_numbers import WIDE, ReferenceSupports, add_part
+from pgimp.kernels.contact.surfaces.groups import solve_groups
 from pgimp.kernels.data.motion import DISPLACEMENT
 from pgimp.kernels.data.record import RECORD
 from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact
@@ -168,6 +170,27 @@ def test_a_cut_block_rests_on_a_floor(floor, by):
     line = finish(sim).diagnostics()
     assert abs(line[name]) == pytest.approx(line["body.block.mass"], rel=1e-2)
     assert abs(line["momentum-x"]) < 1e-12
+
+
+def test_surfaces_beside_a_mirror_have_no_images():
+    """Their rows are of vertices before it: it has no share of contact, which no row has."""
+    bodies = {
+        "block": block([0.0, 1.0], [3.1, 3.03]),
+        "floor": {"rigid": {}, "region": {"box": {"min": [-2.0, -3.0], "max": [10.0, 1.0]}}},
+    }
+    case = scene(2, bodies, cells=[8, 6], end=0.5, step={"courant": 0.3}, wall="mirror",
+                 materials={"soft": HARD}, gravity=[0.0, -1.0], boundaries={"x-min": "slip"},
+                 contact=[{"bodies": "all"}])  # fmt: skip
+    sim, called = start(case), set()
+    contact, call = sim.rank.contact, sim.rank.contact.call
+
+    def note(kernel, *arguments):
+        called.add(kernel)
+        return call(kernel, *arguments)
+
+    contact.call = note
+    finish(sim)
+    assert solve_groups in called and book_mirrored not in called
 
 
 def test_tied_bodies_pass_uniform_stress_on():

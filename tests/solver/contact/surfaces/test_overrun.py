@@ -17,7 +17,7 @@ def told(case, way, moves=None):
     sim = start(case)
     sim.advance()
     rank, contact = sim.rank, sim.rank.contact
-    table, frame = contact._known(rank), sim.scene.domain.frame
+    table, frame = contact.known(rank), sim.scene.domain.frame
     D = sim.scene.dimension
     surface, values = table.surface, rank.grid.kept.values.reshape(-1, RECORD)
     gone = np.unique(table.cells.corners[surface.cell[surface.body == surface.body.max()]])
@@ -91,7 +91,7 @@ def test_a_stretched_body_is_as_full():
     case = two(2, box_of([6.0, 2.6], [9.2, 5.1]), [12, 9])
     sim = start(case)
     sim.advance()
-    table, frame = sim.rank.contact._known(sim.rank), sim.scene.domain.frame
+    table, frame = sim.rank.contact.known(sim.rank), sim.scene.domain.frame
     X = np.zeros((len(table.numbers), 3))
     X[:, :2] = (table.numbers[:, :2] - frame.ghost) * frame.cell + frame.origin[:2]
     F = np.array([[0.7, 0.4, 0.0], [0.0, 1.8, 0.0], [0.0, 0.0, 1.0]])

@@ -5,6 +5,8 @@ import pytest
 from scenes import SOFT, energy, finish, scene, start
 from tiers import wide
 
+from pgimp.kernels.data.motion import DISPLACEMENT
+
 pytestmark = pytest.mark.slow(60)
 
 HARD = SOFT | {"young": 1000.0}
@@ -28,9 +30,10 @@ def ball(centre, radius=R):
 
 
 def turned(middle, sides, angle):
-    """A rectangle that is turned, in degrees, and the directions of its sides."""
+    """A rectangle, or a box, that is turned about z, in degrees; the directions of its sides."""
     c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
-    axes = np.array([[c, s], [-s, c]])
+    axes = np.eye(len(sides))
+    axes[:2, :2] = [[c, s], [-s, c]]
     planes = [
         {"point": (middle + 0.5 * way * side * axis).tolist(), "normal": (way * axis).tolist()}
         for axis, side in zip(axes, sides, strict=True) for way in (-1.0, 1.0)
@@ -41,7 +44,7 @@ def turned(middle, sides, angle):
 def case_of(bodies, cells, end, pairs=(("a", "b"),), friction=0.0, **parts):
     contact = [{"bodies": [*two], "friction": friction} for two in pairs]
     parts = {"step": {"courant": 0.3}, "materials": {"soft": HARD}} | parts
-    return scene(2, bodies, cells=cells, end=end, contact=contact, **parts)
+    return scene(len(cells), bodies, cells=cells, end=end, contact=contact, **parts)
 
 
 def disks(V, offset, v=0.01, aside=0.0, friction=0.0):
@@ -147,6 +150,41 @@ def test_plates_press_a_turned_block_evenly(angle):
     mean = p.V0[rows] @ along / p.V0[rows].sum()
     assert mean == pytest.approx(-strain * 1000.0 / 0.91, rel=0.01)
     np.testing.assert_allclose(along, mean, rtol=0.01)
+
+
+@pytest.mark.parametrize("D", [2, wide(3)])
+@pytest.mark.parametrize("angle", [17.0, wide(0.0), wide(45.0)])
+def test_blocks_whose_lattices_differ_press_each_other_evenly(D, angle):
+    """All particles have one stress: weights are means over facets that either grid cuts."""
+    sides, strain, end = np.array([4.0, 3.0, 4.0][:D]), 2e-3, 7.0
+    middle = np.full(D, 10.0) + np.array([0.11, 0.07, -6.69][:D])
+    axes = turned(middle, sides, angle)[1]
+    there = middle + 3.0 * axes[1]
+    away = np.array([9.2, 0.6, 0.45][:D])  # the second one's place in its lattice, from there
+    bodies = {}
+    for name, at, way in (("a", middle, -1.0), ("b", there, 1.0)):
+        bodies[name] = exact(turned(at + (away if way > 0.0 else 0.0), sides, angle)[0])
+        speed = (-3.0 * way * strain / (0.3 * end) * axes[1]).tolist()
+        table = [[0.0, speed], [0.3 * end, speed], [0.301 * end, [0.0] * D]]
+        plate = turned(at + 2.5 * way * axes[1], np.array([7.0, 2.0, 7.0][:D]), angle)[0]
+        bodies[f"plate-{name}"] = {"rigid": {"velocity": {"table": table}}, "region": plate}
+    pairs = [("a", "b"), ("plate-a", "a"), ("plate-b", "b")]
+    sim = start(case_of(bodies, [28, 20, 7][:D], end, pairs, damping={"mass": 6.0}))
+    grid, rows, p = sim.rank.grid, sim.live(), sim.particles
+    first = int(middle[0] + 4.5) + sim.scene.domain.frame.ghost - grid.window.lower[0]
+    moved = grid.by_vertex(grid.kept.values)[first:]
+    beyond = rows[p.body[rows] == 1]
+    for d in range(D):
+        moved[..., DISPLACEMENT + d] -= away[d]
+        p.x[beyond, d] -= away[d]
+    p, rows = finish(sim).particles, sim.live()
+    sigma, tensor = p.sigma[rows], np.zeros((len(rows), 3, 3))
+    for n, (i, j) in enumerate(((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))[: sigma.shape[1]]):
+        tensor[:, i, j] = tensor[:, j, i] = sigma[:, n]
+    along = np.einsum("pij,i,j->p", tensor[:, :D, :D], axes[1], axes[1])
+    modulus = 1000.0 / (0.91 if D == 2 else 1.0)
+    assert along.mean() == pytest.approx(-strain * modulus, rel=0.01)
+    np.testing.assert_allclose(along, along.mean(), rtol=1e-4)
 
 
 @pytest.mark.parametrize("floor", ["wall", "rigid"])

@@ -37,6 +37,7 @@ from rank_scenes.initial_bodies import (
     initial_contact,
     initial_lattice,
     initial_stages,
+    surface_beside,
     surface_contact,
     surface_stages,
 )
@@ -103,6 +104,7 @@ SCENES = (
             initial_stages,
             initial_contact,
             surface_contact,
+            surface_beside,
             surface_stages,
             initial_lattice,
             averaged_lattice,

@@ -332,6 +332,39 @@ def surface_contact():
     )
 
 
+def surface_beside():
+    """Bodies exact to their surface meet others in the current configuration, across slabs.
+
+    These also meet each other, a rigid tool, a free rigid body and a floor that lets go.
+    """
+    more = {"configuration": "initial", "surface": "exact"}
+    disk = {"ball": {"centre": [4.3, 5.2], "radius": 1.37}}
+    bodies = {
+        "bed": box([3.0, 0.0], [15.0, 2.0]),
+        "flies": {"material": "stiff", "region": disk, "velocity": [3.0, -4.0]} | more,
+        "slides": box([8.5, 2.0], [10.57, 4.1], [3.0, 0.0]) | more,
+        "falls": box([9.0, 4.3], [11.5, 6.0], [1.0, -3.0], "stiff"),
+        "puck": {"rigid": {"density": 2.0}, "velocity": [-1.0, -2.0],
+                 "region": {"box": {"min": [12.2, 2.3], "max": [13.9, 4.0]}}},
+        "ram": {"rigid": {"velocity": [-2.0, 0.0]},
+                "region": {"box": {"min": [15.3, 0.5], "max": [17.0, 3.0]}}},
+    }  # fmt: skip
+    return scene(
+        2,
+        bodies,
+        cells=[24, 8],
+        shape="finite-gimp",
+        end=1.0,
+        step={"courant": 0.3},
+        materials=PAIR,
+        gravity=[0.0, -1.0],
+        boundaries={"y-min": {"separating": {"friction": 0.2}}, "x-max": "slip"},
+        contact=[{"bodies": "all", "friction": {"static": 0.4, "kinetic": 0.3}}],
+        output={"every": 0.25, "fields": EVERYTHING},
+        history={"every": {"steps": 10}},
+    )
+
+
 def surface_stages():
     """Bodies exact to their surface, in stages: bonds become friction, a touched body goes."""
     spin = {"rotation": {"about": [9.0, 3.0], "rate": 0.2}, "translation": [0.5, 0.4]}

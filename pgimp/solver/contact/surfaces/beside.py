@@ -1,0 +1,129 @@
+"""Contact by surfaces in scenes that also have bodies in the current configuration.
+
+These meet surfaces by what they fill before facets. Among themselves, and at unilateral walls, they
+meet at the vertices of the domain's grid. One solution has the impulses of all.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pgimp.jit.rehearsal import needed
+from pgimp.kernels.contact.lagrangian.coupling import Coupling
+from pgimp.kernels.contact.lagrangian.pairs import ContactPairs
+from pgimp.kernels.contact.lagrangian.rows import Solved
+from pgimp.kernels.data.ledger import Ledger
+from pgimp.kernels.grid.conditions import Holding
+from pgimp.mpi.communicator import Communicator
+from pgimp.physics.contact.pairs import Pairs
+from pgimp.scene.scene import Scene
+from pgimp.solver.contact.lagrangian.bonds import interactions
+from pgimp.solver.contact.lagrangian.broad_phase import BroadPhase
+from pgimp.solver.contact.lagrangian.joint import Joint, join, merged
+from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact
+from pgimp.solver.contact.surfaces.contact import SurfaceContact
+from pgimp.solver.contact.surfaces.material import NearMaterial
+from pgimp.solver.contact.surfaces.table import Table
+from pgimp.solver.rank_state import RankState
+from pgimp.solver.vertices import VertexUpdate
+
+
+class MixedContact(SurfaceContact):
+    """Contact by surfaces, of bodies in the current configuration at vertices as well."""
+
+    def __init__(self, scene: Scene, comm: Communicator) -> None:
+        super().__init__(scene, comm)
+        self._current = np.flatnonzero(~scene.settings.lagrangian)
+        self._own_pairs = self._among(self.pairs)
+        self._broad_phase = BroadPhase(scene, comm, self._own_pairs, self._walls)
+        self._at_vertices = self._contact._replace(pairs=self._own_pairs)
+        self._material: NearMaterial | None = None
+        self._proximity.alone = True  # bodies in the current configuration may join all groups
+
+    def moved(self) -> None:
+        """See `NoContact.moved`."""
+        super().moved()
+        self._broad_phase.restart()
+        if self._material:
+            self._material.relocate()
+
+    def _among(self, pairs: Pairs) -> Pairs:
+        """The pairs of bodies in the current configuration, with each other and with walls."""
+        entry, mine = np.zeros_like(pairs.entry), np.zeros(len(pairs.entry), bool)
+        mine[self._current] = mine[self._walls.first :] = True
+        some = np.ix_(mine, mine)
+        entry[some] = pairs.entry[some]
+        return pairs._replace(entry=entry)
+
+    def assign_fields(self, rank: RankState) -> None:
+        """See `NoContact.assign_fields`."""
+        super().assign_fields(rank)
+        rigid = len(self.scene.interaction.rigid_bodies)
+        self._selector.acts = interactions(self._own_pairs, self.groups, rigid)
+
+    def known(self, rank: RankState) -> Table:
+        """See `SurfaceContact.known`."""
+        before = self._table
+        table = super().known(rank)
+        if table is not before:
+            entry, first = self.pairs.entry, self._walls.first
+            acts = (np.maximum(np.abs(entry), np.abs(entry.T)) != 0)[:first, : self.bodies]
+            acts[:, self.scene.settings.lagrangian] = False
+            acts[self._current] = False
+            self._material = NearMaterial(
+                self.scene, self.comm, self._walls, acts, self.groups, self.fields
+            )
+        return table
+
+    def _meet(self, rank: RankState, update: VertexUpdate, table: Table) -> None:
+        """See `SurfaceContact._meet`."""
+        near, material = self._proximity.near, self._material
+        assert near is not None and material is not None
+        rigid, t = self.rigid_bodies, update.t
+        found: list[Joint | None] = []
+        if needed(near.any):
+            found.append(self._joint(rank, update, table))
+        material.look(rank, table, rigid, t.dt, self._rate)
+        assert material.near is not None
+        if needed(material.near.any):
+            met = material.meet(rank, rigid, self._holding(update))
+            if met is not None:
+                step = t.dt, met.speed
+                found.append(self._pairs(met.surface, met.cells, met.every, met.vertices, step))
+        found.append(self._between(rank, update))
+        own = [joint for joint in found if joint is not None]
+        self._act(rank, update, merged(own, len(self._selector.mirrors)) if own else None)
+
+    def _sweep_groups(
+        self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved
+    ) -> None:
+        """See `LagrangianContact._sweep`; of all groups."""
+        LagrangianContact._sweep(self, free, pairs, coupling, solved)
+
+    def _book(
+        self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved,
+        vertices: np.ndarray, ledger: Ledger,
+    ) -> None:  # fmt: skip
+        """See `LagrangianContact._book`; of all groups."""
+        LagrangianContact._book(self, free, pairs, coupling, solved, vertices, ledger)
+
+    def _between(self, rank: RankState, update: VertexUpdate) -> Joint | None:
+        """The pairs of bodies in the current configuration, on the root; collective."""
+        t, phase = update.t, self._broad_phase
+        rigid, rate = self.rigid_bodies, self._rate
+        looked = phase.update(rank.population, self.groups, rigid, t, rate, rank.grid)
+        some = ~self.scene.settings.lagrangian[rank.population.columns.body]
+        phase.near = phase.near[some[rank.population.order[phase.near]]]
+        if looked:
+            self._selection = None
+        if not needed(phase.any):
+            return None
+        selection = self._select(rank, looked, 0.0, rate * t.dt)
+        holding = self._holding(update)
+        near = self._particles.gather(rank.grid.field, rank.population, selection, holding)
+        whole, self._contact = self._contact, self._at_vertices
+        joint: Joint | None = Joint(*self._find(near, t), near.vertices)
+        self._contact = whole
+        if self.comm.size > 1 and joint is not None:
+            _, joint = join(self.comm, self._proximity.root, joint)
+        return joint
