@@ -55,7 +55,7 @@ class Facets(NamedTuple):
         """All of some bodies; patches are numbered on."""
         none = np.zeros((0, 3))
         first, edges, whole = 0, np.zeros((0, 2, 3)), np.zeros(0, np.int64)
-        parts = [cls(none, none, *none.T[:2], none, none, edges, whole)]
+        parts = [cls(none, none, none[:, 0], none[:, 0], none, none, edges, whole)]
         for each in every:
             parts.append(each._replace(patch=each.patch + first))
             first += each.patches

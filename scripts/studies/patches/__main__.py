@@ -1,13 +1,13 @@
 """Measures contact of bodies by their own surfaces against exact results; see scripts/patches."""
 
 from studies.harness import Kept, options_of, origin, out, put, table
-from studies.patches import edges, fast, hard, impacts, pressed, slopes
+from studies.patches import edges, fast, hard, impacts, pressed, slopes, speed
 
 OFFSETS = ((0.0, 0.0), (0.5, 0.5), (0.25, 0.0), (0.13, 0.21), (0.37, 0.78))
 STILL, FRAMES = (0.0, 0.0), ((0.0, 0.0), (0.02, 0.0), (0.2, 0.05))
 LATTICES = ((0.37, 0.21), (0.2, 0.6), (0.97, 0.02))
 SIDES = ((0.0, 0.0), (0.5, 0.5), (0.25, 0.0), (0.13, 0.21), (-0.13, 0.21))
-WHAT = ("bars", "disks", "oblique", "blocks", "hertz", "slopes", "beam", "hard")
+WHAT = ("bars", "disks", "oblique", "blocks", "hertz", "slopes", "beam", "hard", "speed")
 
 
 def spread(values):
@@ -111,7 +111,19 @@ def scenes():
            f"{first:.4f}, {last:.4f}")  # fmt: skip
 
 
-FUNCTIONS = dict(zip(WHAT, (bars, disks, oblique, blocks, hertz, rolling, beam, scenes),
+def speeds():
+    for words, *how in (
+        ("a block on a floor", "floor", (15, 10, 10)),
+        ("a block on a rigid body", "rigid", (20, 20, 20)),
+        ("a block on another", "two", (15, 10, 10)),
+    ):
+        one = speed.speed(*how)
+        yield (f"{words}, {one['particles']:,} particles: time of a step over one in free fall, "
+               "million particle-steps/s, sweeps", "",
+               f"{one['ratio']:.2f}, {one['million']:.1f}, {one['sweeps']:.0f}")  # fmt: skip
+
+
+FUNCTIONS = dict(zip(WHAT, (bars, disks, oblique, blocks, hertz, rolling, beam, scenes, speeds),
                      strict=True))  # fmt: skip
 
 

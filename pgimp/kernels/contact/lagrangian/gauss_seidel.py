@@ -49,6 +49,10 @@ def load_pair(contact, contact_pairs, k, coupling, solved):
             load_rigid(contact, contact.rigid_bodies, a, s, rigid)
         else:
             load_field(contact, a, s, coupling, solved)
+            if len(solved.soft) > 0:
+                for d in range(3):
+                    J = (2.0 * a - 1.0) * impulse_of(contact_pairs.states[k], d)
+                    contact.fields[a].velocity[d] += solved.soft[s, d] * J + rigid[a, d]
         contact.bodies[a], contact.ends[0].fields[a] = end.bodies[a], a
     contact.ends[0].law = end.law
     contact.pair_states[0] = contact_pairs.states[k]

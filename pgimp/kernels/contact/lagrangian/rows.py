@@ -25,13 +25,15 @@ class Solved(NamedTuple):
     #: (k,) float64: Change of each entry's vertex by a unit impulse, for the rows that are `free`.
     moved: FloatArray
     free: NDArray  #: (rows,) bool: Whether all components of a row's vertices are free.
+    #: (rows, 3) float64: Compliance of the pairs' own, by row; none, of 0 rows, on the grid.
+    soft: FloatArray
 
     @classmethod
     def empty(cls, vertices: int, coupling: Coupling) -> Self:
         """Allocate for so many vertices, for `begin_solution`."""
         entries, rows = len(coupling.column), len(coupling.answer)
         parts = np.empty((3, vertices, 4))
-        return cls(*parts, np.empty(entries), np.empty(rows, np.bool_))
+        return cls(*parts, np.empty(entries), np.empty(rows, np.bool_), np.empty((0, 3)))
 
 
 @inner_kernel

@@ -34,7 +34,7 @@ def _order(vertex, other):
 
 
 @inner_kernel
-def _find(kept, n, end):
+def find_kept(kept, n, end):
     """First of the kept forces from `n` on at the vertex of a pair or after, and the pair's own.
 
     The second is -1 without one. Vertices ascend.
@@ -95,7 +95,7 @@ def begin_impulses(contact, kept, contact_pairs, coupling, solved, dt):
     n = 0
     for k in range(len(contact_pairs.ends)):
         end, row = contact_pairs.ends[k], contact_pairs.states[k]
-        n, m = _find(kept, n, end)
+        n, m = find_kept(kept, n, end)
         if m < 0:
             continue
         load_pair(contact, contact_pairs, k, coupling, solved)
@@ -121,7 +121,7 @@ def keep_impulses(contact_pairs, dt, before, kept):
     n, found = 0, 0
     for k in range(len(contact_pairs.ends)):
         end, row = contact_pairs.ends[k], contact_pairs.states[k]
-        n, m = _find(before, n, end)
+        n, m = find_kept(before, n, end)
         J = (impulse_of(row, 0), impulse_of(row, 1), impulse_of(row, 2))
         if J[0] == 0.0 and J[1] == 0.0 and J[2] == 0.0:
             continue

@@ -30,6 +30,10 @@ STEEP, _ALIKE = -0.8, 0.9
 #: Weight of the distance along a facet, so that one of several in a plane is next to a point.
 _ALONG = 1e-6
 
+#: Beside a disc by more than its radius times the root of 2: least part of the square that is from
+#: the rim on.
+_BEYOND = 0.0857
+
 #: Cells by which a point may lie beside a facet's part of a box, and the same over its distance, of
 #: points before the facet and behind it: what is deep beside an edge is not in the body.
 _BESIDE, _BESIDE_BEFORE, _BESIDE_BEHIND = 1e-3, 0.5, 0.15
@@ -69,8 +73,11 @@ def apart(surface, s, f, cell):
 
 
 @inner_kernel
-def _square(D, surface, s, cell, f):
-    """Square of the distance of facet `s` from facet `f`, with the `reluctance` of both."""
+def _square(D, surface, s, cell, f, most):
+    """Square of the distance of facet `s` from facet `f`, with the `reluctance` of both.
+
+    It is inf where it is seen to be above `most` before roots are taken.
+    """
     x, facing = surface.now[s], surface.turned[s]
     if surface.body[s] == surface.body[f] and not apart(surface, s, f, cell):
         return inf
@@ -82,19 +89,24 @@ def _square(D, surface, s, cell, f):
         whole += way * way
         same += facing[d] * n
     beside = max(whole - along * along, 0.0)
-    over = max(0.0, sqrt(beside) - surface.radius[f]) if D > 1 else 0.0
-    return along * along + over * over + _ALONG * beside + reluctance(same, cell)
+    square, over = along * along + _ALONG * beside, 0.0
+    reach = surface.radius[f] * surface.radius[f]
+    if D > 1 and beside > reach:
+        if square > most or (beside > 2.0 * reach and square + _BEYOND * beside > most):
+            return inf
+        over = sqrt(beside) - sqrt(reach)
+    return square + over * over + reluctance(same, cell)
 
 
 @inner_kernel
 def next_facet(D, surface, s, cell, f):
     """Facet next to facet `s`, from facet `f` on along neighbours."""
-    least = _square(D, surface, s, cell, f)
+    least = _square(D, surface, s, cell, f, inf)
     while True:
         best = f
         for k in range(surface.start[f], surface.start[f + 1]):
             other = surface.beside[k]
-            square = _square(D, surface, s, cell, other)
+            square = _square(D, surface, s, cell, other, least)
             if square < least or (square == least and other < best):
                 least, best = square, other
         if best == f:
@@ -292,12 +304,13 @@ def find_gaps(frame, rigid_bodies, walls, surface, moved, scratch, far, every):
         The cells, and the displacements of the surface vertices.
     scratch
         As of `move_facets`.
-    far : float
-        Greatest distance. Farther away the cell's displacements, extrapolated, may fold.
+    far : (float, bool)
+        Greatest distance: farther away the cell's displacements, extrapolated, may fold. Whether
+        the facets next to others may have changed since they were found.
     every : (n,) NEAR_FACET
         The facets; `other` is where the search for the one next to them begins.
     """
-    D, last, (cells, u) = len(frame.cell), -1, moved
+    D, last, (cells, u), (farthest, walks) = len(frame.cell), -1, moved, far
     for n in range(len(every)):
         near = every[n]
         s = near.facet
@@ -309,12 +322,13 @@ def find_gaps(frame, rigid_bodies, walls, surface, moved, scratch, far, every):
             for d in range(3):
                 near.normal[d] = -1.0 * side if d == axis else 0.0
         else:
-            near.other = next_facet(D, surface, s, frame.cell[0], near.other)
+            if walks:
+                near.other = next_facet(D, surface, s, frame.cell[0], near.other)
             same = 0.0
             for d in range(3):
                 same += surface.turned[s, d] * surface.turned[near.other, d]
-            most = far * far + reluctance(same, frame.cell[0])
-            if _square(D, surface, s, frame.cell[0], near.other) > most:
+            most = farthest * farthest + reluctance(same, frame.cell[0])
+            if _square(D, surface, s, frame.cell[0], near.other, inf) > most:
                 near.gap = inf
                 continue
             c = surface.cell[near.other]

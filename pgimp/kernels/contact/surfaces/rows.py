@@ -43,7 +43,8 @@ _LEAST = 0.03
 #: the gap above which it has none either, and cells of gap at which it always has one.
 NEAR, SOON, TOUCHES = 0.25, 4.0, 1e-3
 
-#: Cells by which overlapping surfaces part in a step, at most.
+#: Cells by which overlapping surfaces part in a step, at most; others than rigid ones beyond what
+#: compliance takes, see `soften`.
 PARTS = 2e-5
 
 #: Least cosine between normals on one side of a body.
@@ -247,8 +248,7 @@ def _set_pair(contact, surface, group, side, law, size, pair):
         row.normal[d] /= sqrt(square)
         rigid[2, d] /= whole
     # Facets beyond these are of material in the current configuration: it does not part.
-    parts = PARTS * cell if every[first].other < len(surface.patch) else 0.0
-    row.gap_rate = max(gap, -parts) / dt
+    row.gap_rate = (gap if every[first].other < len(surface.patch) else max(gap, 0.0)) / dt
     row.adhesion, row.shear_adhesion = normal * glued * dt, shear * glued * dt
     for n in range(first, last):
         every[n].weight /= whole
@@ -343,6 +343,8 @@ def find_patch_pairs(
                     set_answer(coupling, rows, numbers)
                     release_across(coupling, rows, numbers, row.normal)
                 rows += 1
+            if end.rows[0] < 0 and end.rows[1] < 0:
+                row.gap_rate = max(row.gap_rate, -PARTS * cell / dt)
             pairs += 1
         first = last
     return pairs, rows, used

@@ -64,6 +64,8 @@ class LagrangianContact(NoContact):
         different fields unless they are bonded.
     free : FreeBodies or None
         The rigid bodies that move freely, if any.
+    sweeps : int
+        Sweeps over the pairs in the last step with any, on the rank that solves.
     """
 
     bears = True
@@ -93,7 +95,7 @@ class LagrangianContact(NoContact):
         self._particles = NearParticles(scene, comm, self._selector.local)
         self._selection: Selection | None = None
         self._warm_start = WarmStart(comm)
-        self._dt = 0.0
+        self._dt, self.sweeps = 0.0, 0
         self._box = np.zeros((WIDE**2, WIDE))
 
     @property
@@ -244,7 +246,9 @@ class LagrangianContact(NoContact):
         contact, call = self._contact, self.call
         scratch = np.empty((2, len(pairs.ends), IMPULSES))
         self._warm_start.begin(contact, pairs, coupling, solved, self._dt)
-        call(solve_impulses, contact, free, pairs, coupling, solved, scratch, *self._accuracy)
+        self.sweeps = call(
+            solve_impulses, contact, free, pairs, coupling, solved, scratch, *self._accuracy
+        )
 
     def _book(
         self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved,

@@ -63,6 +63,11 @@ class WarmStart:
         self._kept, self._storage = free[:found], (free, used)
 
     @property
+    def kept(self) -> np.ndarray:
+        """The forces of the last step, (n,) KEPT_FORCE, on the rank that solves."""
+        return self._kept
+
+    @property
     def stored(self) -> np.ndarray:
         """What a checkpoint has of this rank, (n, `WIDTH`) float64."""
         kept = self._kept

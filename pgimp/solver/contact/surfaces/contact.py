@@ -28,14 +28,14 @@ from pgimp.kernels.contact.surfaces.gaps import find_gaps
 from pgimp.kernels.contact.surfaces.groups import book_groups, solve_groups
 from pgimp.kernels.contact.surfaces.loads import add_loads
 from pgimp.kernels.contact.surfaces.motion import move_facets
-from pgimp.kernels.contact.surfaces.rows import find_patch_pairs
+from pgimp.kernels.contact.surfaces.rows import PARTS, find_patch_pairs
+from pgimp.kernels.contact.surfaces.soft import LEAST_AREA, apply_impulses, soften
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.base import NoContact
-from pgimp.solver.contact.grown import grown
 from pgimp.solver.contact.lagrangian.joint import Joint
 from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact, nothing_held
 from pgimp.solver.contact.lagrangian.messages import greatest
@@ -76,7 +76,9 @@ class SurfaceContact(LagrangianContact):
         self._table: Table | None = None
         self._slaves: object = None
         self._acts = np.zeros((0, 0), np.uint8)
-        self._rate = 0.0
+        self._rate, self._room = 0.0, (ContactPairs.empty(0), _rows(0, 0))
+        cell = scene.domain.frame.cell
+        self._sizes = LEAST_AREA * min(cell) ** (len(cell) - 1), PARTS * min(cell)
         #: SurfaceLoads or None: Loads on facets, where the case asks for frames of surfaces.
         self.loads = SurfaceLoads(comm) if scene.case.output.surface else None
         self._every = no_facets(0)
@@ -208,10 +210,11 @@ class SurfaceContact(LagrangianContact):
         u = np.ascontiguousarray(grid.kept.values.reshape(-1, RECORD)[share.records, U])
         u, values = share.gather(self.comm, u), share.gather(self.comm, values)
         call(move_facets, frame, rigid, surface, cells, u, share.moving, scratch)
-        far = proximity.far
+        least, dt = min(frame.cell), update.t.dt
+        far = proximity.far, proximity.walks((speed / least + self._rate) * dt)
         call(find_gaps, frame, rigid, self._walls, surface, (cells, u), scratch, far, every)
         vertices = ReferenceVertices(share.keys, values)
-        return self._pairs(surface, cells, every, vertices, (update.t.dt, speed))
+        return self._pairs(surface, cells, every, vertices, (dt, speed))
 
     def _act(self, rank: RankState, update: VertexUpdate, joint: Joint | None) -> None:
         """Solve for the impulses of the rank's pairs, and apply them; collective."""
@@ -250,15 +253,25 @@ class SurfaceContact(LagrangianContact):
     def _sweep_groups(
         self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved
     ) -> None:
-        """Solve for the impulses; the sweeps of each group end by themselves."""
-        contact, call = self._contact, self.call
-        self._warm_start.begin(contact, pairs, coupling, solved, self._dt)
-        grouped, scratch = Grouped.of(pairs, self._proximity.groups), len(pairs.ends)
-        call(
-            solve_groups, contact, free, (grouped.pairs, grouped.first), coupling, solved,
-            np.empty((2, scratch, IMPULSES)), self._accuracy,
+        """Solve for the impulses; the sweeps of each group end by themselves.
+
+        Neighbouring patches have some compliance in them.
+        """
+        contact, call, count = self._contact, self.call, len(pairs.ends)
+        compliant = coupling._replace(answer=coupling.answer.copy())
+        softened = Solved(*(part.copy() for part in solved))
+        softened = softened._replace(soft=np.zeros_like(coupling.answer))
+        scratch, kept = (np.zeros(len(solved.velocity)), np.zeros(count)), self._warm_start.kept
+        sizes = self._dt, *self._sizes
+        call(soften, contact, kept, pairs, compliant, softened, sizes, scratch)
+        self._warm_start.begin(contact, pairs, compliant, softened, self._dt)
+        grouped = Grouped.of(pairs, self._proximity.groups)
+        self.sweeps = call(
+            solve_groups, contact, free, (grouped.pairs, grouped.first), compliant, softened,
+            np.empty((2, count, IMPULSES)), self._accuracy,
         )  # fmt: skip
         grouped.copy_to(pairs)
+        call(apply_impulses, pairs, coupling, solved)
 
     def _book(
         self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved,
@@ -284,36 +297,38 @@ class SurfaceContact(LagrangianContact):
 
         `step` has its length, and the greatest speed of a vertex.
         """
-        call, frame, most = self.call, self.scene.domain.frame, len(every)
+        call, frame, (dt, speed) = self.call, self.scene.domain.frame, step
         keys, values = reference
-        pairs, seen = ContactPairs.empty(most), np.empty((2, len(keys)), np.int64)
-        sums, counts = np.empty(2 ** len(frame.cell)), [0, 0]
-        vertices = (flat(values), seen, sums, self._proximity.scratch[-1])
-        dt, speed = step
         fastest = speed + self._rate * min(frame.cell)
+        seen, sums = np.empty((2, len(keys)), np.int64), np.empty(2 ** len(frame.cell))
+        vertices, counts = (flat(values), seen, sums, self._proximity.scratch[-1]), [0, 0]
+        if len(self._room[0].ends) < len(every):
+            self._room = ContactPairs.empty(len(every)), _rows(len(every), 8 * len(every))
+        (pairs, coupling), self._every = self._room, every
 
         def fill(coupling: Coupling) -> int:
-            self._every = every.copy()
             counts[0], counts[1], used = call(
-                find_patch_pairs, self._contact, frame, surface, cells, self._every, (dt, fastest),
+                find_patch_pairs, self._contact, frame, surface, cells, every, (dt, fastest),
                 vertices, (pairs, coupling),
             )  # fmt: skip
             return int(used)
 
-        coupling, used = grown(
-            8 * most + 64,
-            lambda size: Coupling(
-                np.zeros(2 * most + 1, np.int64),
-                np.empty(size, np.int64),
-                np.empty((size, 1)),
-                np.empty((2 * most, 3)),
-                np.zeros((2 * most, 0, 3)),
-            ),
-            fill,
-        )
+        used = fill(coupling)
+        if used > len(coupling.column):
+            coupling = _rows(len(pairs.ends), used + used // 4)
+            self._room = pairs, coupling
+            fill(coupling)
         found, rows = counts
         coupling = Coupling(
             coupling.start[: rows + 1], coupling.column[:used], coupling.entry[:used],
             coupling.answer[:rows], coupling.beyond[:rows],
         )  # fmt: skip
         return Joint(pairs.chosen(slice(found)), coupling, reference)
+
+
+def _rows(pairs: int, entries: int) -> Coupling:
+    """Room for the rows of so many pairs, with so many entries."""
+    return Coupling(
+        np.zeros(2 * pairs + 1, np.int64), np.empty(entries, np.int64), np.empty((entries, 1)),
+        np.empty((2 * pairs, 3)), np.zeros((2 * pairs, 0, 3)),
+    )  # fmt: skip

@@ -91,6 +91,8 @@ class Grouped(NamedTuple):
     def of(cls, pairs: ContactPairs, groups: Groups) -> Grouped:
         """Sort pairs by group."""
         number, order = groups.number(pairs.ends["bodies"]), None
+        if len(number) and (number == number[0]).all():  # mostly
+            return cls(pairs, np.array([0, len(number)]), None, number[:1])
         if (np.diff(number) < 0).any():
             order = np.argsort(number, kind="stable")
             pairs, number = pairs.chosen(order), number[order]
@@ -113,6 +115,10 @@ def add_books(
     comm: Communicator, root: int, number: np.ndarray, books: Ledger, ledger: Ledger
 ) -> None:
     """Add the books of all ranks' groups, in their order, to the first plane of the root's."""
+    if comm.size == 1 and len(number) == 1:
+        for name in _BOOKED:
+            getattr(ledger, name)[0] += getattr(books, name)[0]
+        return
     widths = [int(np.prod(getattr(books, name).shape[1:], dtype=int)) for name in _BOOKED]
     shaped = zip(_BOOKED, widths, strict=True)
     parts = [getattr(books, name).reshape(len(number), width) for name, width in shaped]
@@ -137,9 +143,11 @@ def share_changes(comm: Communicator, changes: Changes, extra: np.ndarray) -> Ch
     Collective. Of `extra` each number is 0 on all ranks but one.
     """
     some = changes.velocities.any(axis=1) | changes.held.any(axis=1)
-    mine = np.column_stack([changes.keys.view(float), changes.velocities, changes.held])[some]
     if extra.size:
         extra[...] = total(comm, extra + 0.0)
+    if comm.size == 1 and (changes.keys[1:] > changes.keys[:-1]).all():
+        return Changes(changes.keys[some], changes.velocities[some], changes.held[some])
+    mine = np.column_stack([changes.keys.view(float), changes.velocities, changes.held])[some]
     every = mine if comm.size == 1 else swap_parts(comm, [mine] * comm.size)[0]
     keys = np.ascontiguousarray(every[:, 0]).view(np.int64)
     order = np.argsort(keys, kind="stable")

@@ -33,12 +33,15 @@ from pgimp.solver.rank_state import RankState
 #: Cells by which each body may move until the next search, and the most steps until then.
 TRAVEL, LONGEST = 0.25, 16
 
+#: Cells of travel within which the facets next to others stay so.
+WALK = 0.002
+
 U = slice(DISPLACEMENT, DISPLACEMENT + 3)
 
 #: What a checkpoint has of each candidate, and its parts: displacements, facets, moving ones,
-#: these.
+#: these. Before them there are three numbers and the parts' lengths.
 _KEPT = ("facet", "body", "other")
-_PARTS = 3 + len(_KEPT)
+_PARTS, _NUMBERS = 3 + len(_KEPT), 3
 
 
 class Near(NamedTuple):
@@ -121,7 +124,7 @@ class Proximity:
         self._reach = (2.0 * TRAVEL) * cell + self.far
         self.reach = self._reach.max()
         self.met = np.empty((0, 2), np.int64)
-        self._pause, self._moved = 0, 0.0
+        self._pause, self._moved, self._walked = 0, 0.0, np.inf
         self._records = np.empty(0, np.int64)
         self._window: object = None
         self._before = np.empty((0, 3))  # displacements of all surface vertices at the last search
@@ -149,7 +152,8 @@ class Proximity:
             return np.empty(0)
         parts = (self._before.reshape(-1), self.near.facets, self._moving,
                  *(every[name] for name in _KEPT))  # fmt: skip
-        return np.concatenate([[self._pause, self._moved], list(map(len, parts)), *parts])
+        numbers = [self._pause, self._moved, self._walked]
+        return np.concatenate([numbers, list(map(len, parts)), *parts])
 
     def restore(self, state: np.ndarray) -> None:
         """Continue with the `state` of a checkpoint, on every rank."""
@@ -158,12 +162,14 @@ class Proximity:
     def _continue(self, rank: RankState, table: Table) -> None:
         """Take over the state of a checkpoint, if it is of these surfaces; collective."""
         state, self._restored = self._restored, np.empty(0)
-        sizes = state[2 : 2 + _PARTS].astype(np.int64)
-        if sizes[0] != 3 * len(table.keys) or len(state) != 2 + _PARTS + sizes.sum():
+        head = _NUMBERS + _PARTS
+        sizes = state[_NUMBERS:head].astype(np.int64)
+        if sizes[0] != 3 * len(table.keys) or len(state) != head + sizes.sum():
             return
-        before, *parts = np.split(state[2 + _PARTS :], np.cumsum(sizes[:-1]))
+        before, *parts = np.split(state[head:], np.cumsum(sizes[:-1]))
         facets, self._moving, *every = (part.astype(np.int64) for part in parts)
-        self._pause, self._moved, self._before = int(state[0]), state[1], before.reshape(-1, 3)
+        self._pause, self._moved, self._walked = int(state[0]), state[1], state[2]
+        self._before = before.reshape(-1, 3)
         found = no_facets(len(every[0]))
         for name, values in zip(_KEPT, every, strict=True):
             found[name] = values
@@ -257,6 +263,7 @@ class Proximity:
             self._pause = int(min(LONGEST, left / travel if travel > 0.0 else LONGEST)) - 1
             return divided
         self._before, self._moved = self._everywhere(own, motion[:, U]), 0.0
+        self._walked = np.inf
         self._pause = int(max(1.0, min(LONGEST, TRAVEL / travel if travel > 0.0 else LONGEST))) - 1
         self._find_root(rank)
         boxes = self._boxes(rank, table, rigid)
@@ -267,6 +274,13 @@ class Proximity:
         found, self._moving = self.comm.bcast((found, self._moving), self.root)
         self._divide(table, found)
         return True
+
+    def walks(self, travel: float) -> bool:
+        """Whether facets next to others are to be found anew, given a step's travel in cells."""
+        self._walked += travel
+        again = bool(self._walked > WALK)
+        self._walked = 0.0 if again else self._walked
+        return again
 
     def has(self, bodies: np.ndarray) -> np.ndarray:
         """Mask of the pairs of bodies, (n, 2), in the rank's groups; on the root those in none."""

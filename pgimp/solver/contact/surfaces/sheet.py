@@ -112,7 +112,7 @@ class Sheets:
         )
         for every in (candidates.copy(), others[:number]):
             call(find_gaps, frame, rigid, proximity.walls, surface, (table.cells, u), scratch,
-                 proximity.far, every)  # fmt: skip
+                 (proximity.far, True), every)  # fmt: skip
             some = every[np.isfinite(every["gap"])]
             np.fmin.at(found, some["facet"], some["gap"])
             if every is not others:  # of a body that meets itself one side looks for the other

@@ -207,6 +207,7 @@ def test_a_pile_rests_on_a_floor(floor):
     while sim.time < 10.0:
         sim.advance()
     half, last = sim.diagnostics(), finish(sim).diagnostics()
+    assert 0 < sim.rank.contact.sweeps <= 8
     for k in range(3):
         for axis in "xy":
             name = f"body.b{k}.centre-{axis}"

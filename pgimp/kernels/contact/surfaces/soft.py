@@ -1,0 +1,185 @@
+"""Compliance between neighbouring patches: impulses that alternate would hardly move anything.
+
+Impulses of patches move the vertices beside these. Where they alternate from patch to patch they
+cancel at every vertex. So sweeps find them slowly, and errors of gaps make them large. As for
+pressures that are constant by cell, jumps between neighbours get a compliance of their own:
+Silvester and Kechkar, Stabilised bilinear-constant velocity-pressure finite elements, Comput.
+Methods Appl. Mech. Eng. 79, 71-86 (1990). With the response A of the pairs' velocities to impulses,
+and areas a_i of patches that bear, it is
+
+    C = c (S - A),   S_ii = sum_j A_ij a_j / a_i.
+
+Even pressure has none. A + C = (1 - c) A + c S: the sweeps have vertices that are heavier, and a
+compliance of each pair's own. So eigenvalues of A + C differ by a factor of about 1/c. Patches of a
+second body at its tips have none, and none is felt there: those of the first bear already.
+
+Along the normal C J is a gap: a stiff spring. Across it the change of J since the last step counts,
+so that friction holds what it bears.
+"""
+
+from math import sqrt
+
+from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.kernels.contact.data import impulse_of
+from pgimp.kernels.contact.lagrangian.gauss_seidel import load_pair
+from pgimp.kernels.contact.lagrangian.rows import add_impulse
+from pgimp.kernels.contact.lagrangian.warm_start import EXTRAPOLATION, find_kept
+from pgimp.kernels.contact.sliding import sliding_part
+from pgimp.physics.contact.base import TIED
+
+#: The factor c.
+SOFT = 0.1
+
+#: Least area of a patch in its weight here, in faces of a cell.
+LEAST_AREA = 0.1
+
+
+@inner_kernel
+def _is_second(end):
+    """Whether a patch is of the second of two bodies, at a tip: patches of the first are there."""
+    return end.vertex[1] < max(end.bodies[0], end.bodies[1])
+
+
+@inner_kernel
+def _sum_areas(contact_pairs, coupling, kept, least, sums):
+    """Add the entries of rows times the areas of patches that bore in the last step."""
+    m = 0
+    for k in range(len(contact_pairs.ends)):
+        m, one = find_kept(kept, m, contact_pairs.ends[k])
+        if one < 0 or _is_second(contact_pairs.ends[k]):
+            continue
+        area = max(contact_pairs.states[k].area, least)
+        for side in range(2):
+            r, sign = contact_pairs.ends[k].rows[side], 2.0 * side - 1.0
+            if r >= 0:
+                for n in range(coupling.start[r], coupling.start[r + 1]):
+                    sums[coupling.column[n]] += sign * area * coupling.entry[n, 0]
+
+
+@inner_kernel
+def _set_soft(coupling, solved, r, area, sums):
+    """Set the compliance c S of a row of a patch, and its whole response.
+
+    `area` has the sign of the side; 0 of a second patch, which has no compliance of its own.
+    """
+    for d in range(3):
+        whole, answer = 0.0, coupling.answer[r, d]
+        if area != 0.0 and answer > 0.0:
+            for n in range(coupling.start[r], coupling.start[r + 1]):
+                j = coupling.column[n]
+                whole += coupling.entry[n, 0] * sums[j] * solved.inverse_mass[j, d]
+            whole /= area
+        solved.soft[r, d] = SOFT * max(whole, answer)
+        coupling.answer[r, d] = (1.0 - SOFT) * answer + solved.soft[r, d]
+
+
+@inner_kernel
+def _along(force, normal):
+    """Component along a normal."""
+    return force[0] * normal[0] + force[1] * normal[1] + force[2] * normal[2]
+
+
+@inner_kernel
+def _reference(contact, end, row, kept, dt):
+    """Impulse of the last step from which compliance counts; along the normal half of it.
+
+    So gaps follow the impulse 2 J - J' of the step's end: springs that end steps with the impulse J
+    of the step would damp. Across the normal, and where adhesion holds, gaps are not known; there
+    it is how this changes. The law bounds it.
+    """
+    change, entry = 0.5 / EXTRAPOLATION, end.law - 1
+    J = tuple(dt * (kept.force[d] + change * kept.change[d]) for d in range(3))
+    if contact.pairs.kind[entry] == TIED:
+        return J
+    along = _along(J, row.normal)
+    t = tuple(J[d] - along * row.normal[d] for d in range(3))
+    length = sqrt(t[0] ** 2 + t[1] ** 2 + t[2] ** 2)
+    stress, pressed = row.area * dt, max(along, 0.0)
+    part = sliding_part(contact.pairs, entry, row.shear_adhesion, pressed, stress, length, 0.0)
+    begins = max(along, -row.adhesion) if along < 0.0 else 0.5 * dt * _along(kept.force, row.normal)
+    return tuple(part * t[d] + begins * row.normal[d] for d in range(3))
+
+
+@inner_kernel
+def _normal_velocity(contact, contact_pairs, k, coupling, solved):
+    """Velocity of a pair's ends apart, along the normal, with their compliance, as impulses are."""
+    w, row = 0.0, contact_pairs.states[k]
+    load_pair(contact, contact_pairs, k, coupling, solved)
+    for d in range(3):
+        w += row.normal[d] * (contact.fields[1].velocity[d] - contact.fields[0].velocity[d])
+    return w
+
+
+@kernel
+def soften(contact, kept, contact_pairs, coupling, solved, sizes, scratch):
+    """Give the pairs their compliance; `apply_impulses` ends what this begins.
+
+    Parameters
+    ----------
+    kept : (n,) KEPT_FORCE
+        Of the last step, see `begin_impulses`.
+    coupling : Coupling
+        The response to impulses; `answer` is changed.
+    solved : Solved
+        After `begin_solution`; `soft` is set, and masses are changed.
+    sizes : (float, float, float)
+        The step; least area of a patch in its weight; the length by which overlaps
+        end in a step, beyond what compliance takes.
+    scratch : ((vertices,) float64, (pairs,) float64)
+        Scratch, zero before.
+    """
+    (dt, least, parts), (sums, before), m = sizes, scratch, 0
+    _sum_areas(contact_pairs, coupling, kept, least, sums)
+    for k in range(len(contact_pairs.ends)):
+        before[k] = _normal_velocity(contact, contact_pairs, k, coupling, solved)
+        area = max(contact_pairs.states[k].area, least)
+        if _is_second(contact_pairs.ends[k]):
+            area = 0.0
+        for side in range(2):
+            r = contact_pairs.ends[k].rows[side]
+            if r >= 0:
+                _set_soft(coupling, solved, r, area if side else -area, sums)
+    for j in range(len(sums)):
+        for d in range(3):
+            solved.inverse_mass[j, d] *= 1.0 - SOFT
+    for n in range(len(solved.moved)):
+        solved.moved[n] *= 1.0 - SOFT
+    again = SOFT / (1.0 - SOFT)
+    for k in range(len(contact_pairs.ends)):
+        end, row = contact_pairs.ends[k], contact_pairs.states[k]
+        m, one = find_kept(kept, m, end)
+        if one < 0:
+            continue
+        J = _reference(contact, end, row, kept[one], dt)
+        for side in range(2):
+            r, sign = end.rows[side], 2.0 * side - 1.0
+            if r >= 0:
+                for d in range(3):
+                    contact_pairs.rigid[k, side, d] = -sign * solved.soft[r, d] * J[d]
+                add_impulse(r, (again * J[0], again * J[1], again * J[2]), sign, coupling, solved)
+    for k in range(len(contact_pairs.ends)):
+        row = contact_pairs.states[k]
+        if contact_pairs.ends[k].rows[0] < 0 and contact_pairs.ends[k].rows[1] < 0:
+            continue
+        # Half of what the last step's impulses give: the depth of the compliance itself.
+        deep = before[k] - _normal_velocity(contact, contact_pairs, k, coupling, solved)
+        row.gap_rate = max(row.gap_rate, -parts / dt - 2.0 * max(deep, 0.0))
+        if _is_second(contact_pairs.ends[k]) or row.gap_rate == 0.0:  # no gap corrects it
+            row.gap_rate -= deep
+
+
+@kernel
+def apply_impulses(contact_pairs, coupling, solved):
+    """Apply the impulses of all pairs to the vertices, as they are without compliance.
+
+    `solved` is as after `begin_solution`.
+    """
+    for k in range(len(contact_pairs.ends)):
+        end, row = contact_pairs.ends[k], contact_pairs.states[k]
+        J = (impulse_of(row, 0), impulse_of(row, 1), impulse_of(row, 2))
+        for side in range(2):
+            r = end.rows[side]
+            if r >= 0:
+                for d in range(3):
+                    contact_pairs.rigid[k, side, d] = 0.0
+                add_impulse(r, J, 2.0 * side - 1.0, coupling, solved)
