@@ -97,7 +97,9 @@ class MixedContact(SurfaceContact):
     def _sweep_groups(
         self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved
     ) -> None:
-        """See `LagrangianContact._sweep`; of all groups."""
+        """See `LagrangianContact._sweep`; of all groups, without compliance of patches."""
+        states, parts = pairs.states, self._sizes[1] / self._dt
+        states["gap_rate"] = np.maximum(states["gap_rate"], -parts)
         LagrangianContact._sweep(self, free, pairs, coupling, solved)
 
     def _book(
