@@ -103,7 +103,7 @@ def facets_of(
     ways = np.rint(1e6 * normal) + 0.0
     leading = ways[np.arange(len(ways)), np.argmax(ways != 0.0, axis=1)]
     sign = np.where(leading < 0.0, -1.0, 1.0)
-    places = np.column_stack([np.rint(1e3 * x / body.size), sign[:, None] * ways]) + 0.0
+    places = np.column_stack([np.rint(1e5 * x / body.size), sign[:, None] * ways]) + 0.0
     first, same = distinct(places)
     size = np.asarray(np.bincount(same, sign * size), float)
     way = (np.sign(size) * sign[first])[:, None]

@@ -42,7 +42,7 @@ def _is_second(end):
 
 @inner_kernel
 def _sum_areas(contact_pairs, coupling, kept, least, sums):
-    """Add the entries of rows times the areas of patches that bore in the last step."""
+    """Add the entries of rows times the area vectors of patches that bore in the last step."""
     m = 0
     for k in range(len(contact_pairs.ends)):
         m, one = find_kept(kept, m, contact_pairs.ends[k])
@@ -53,23 +53,28 @@ def _sum_areas(contact_pairs, coupling, kept, least, sums):
             r, sign = contact_pairs.ends[k].rows[side], 2.0 * side - 1.0
             if r >= 0:
                 for n in range(coupling.start[r], coupling.start[r + 1]):
-                    sums[coupling.column[n]] += sign * area * coupling.entry[n, 0]
+                    for d in range(3):
+                        normal = contact_pairs.states[k].normal[d]
+                        sums[coupling.column[n], d] += sign * area * normal * coupling.entry[n, 0]
 
 
 @inner_kernel
-def _set_soft(coupling, solved, r, area, sums):
+def _set_soft(coupling, solved, r, area, sums, normal):
     """Set the compliance c S of a row of a patch, and its whole response.
 
     `area` has the sign of the side; 0 of a second patch, which has no compliance of its own.
     """
+    whole = 0.0
+    if area != 0.0:  # the velocity along the normal that even pressure gives
+        for n in range(coupling.start[r], coupling.start[r + 1]):
+            j, along = coupling.column[n], 0.0
+            for d in range(3):
+                along += normal[d] * sums[j, d] * solved.inverse_mass[j, d]
+            whole += coupling.entry[n, 0] * along
+        whole /= area
     for d in range(3):
-        whole, answer = 0.0, coupling.answer[r, d]
-        if area != 0.0 and answer > 0.0:
-            for n in range(coupling.start[r], coupling.start[r + 1]):
-                j = coupling.column[n]
-                whole += coupling.entry[n, 0] * sums[j] * solved.inverse_mass[j, d]
-            whole /= area
-        solved.soft[r, d] = SOFT * max(whole, answer)
+        answer = coupling.answer[r, d]
+        solved.soft[r, d] = SOFT * max(whole, answer) if answer > 0.0 else 0.0
         coupling.answer[r, d] = (1.0 - SOFT) * answer + solved.soft[r, d]
 
 
@@ -125,7 +130,7 @@ def soften(contact, kept, contact_pairs, coupling, solved, sizes, scratch):
     sizes : (float, float, float)
         The step; least area of a patch in its weight; the length by which overlaps
         end in a step, beyond what compliance takes.
-    scratch : ((vertices,) float64, (pairs,) float64)
+    scratch : ((vertices, 3) float64, (pairs,) float64)
         Scratch, zero before.
     """
     (dt, least, parts), (sums, before), m = sizes, scratch, 0
@@ -138,7 +143,10 @@ def soften(contact, kept, contact_pairs, coupling, solved, sizes, scratch):
         for side in range(2):
             r = contact_pairs.ends[k].rows[side]
             if r >= 0:
-                _set_soft(coupling, solved, r, area if side else -area, sums)
+                _set_soft(
+                    coupling, solved, r, area if side else -area, sums,
+                    contact_pairs.states[k].normal,
+                )  # fmt: skip
     for j in range(len(sums)):
         for d in range(3):
             solved.inverse_mass[j, d] *= 1.0 - SOFT
