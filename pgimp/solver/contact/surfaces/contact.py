@@ -320,10 +320,10 @@ class SurfaceContact(LagrangianContact):
             fill(coupling)
         found, rows = counts
         coupling = Coupling(
-            coupling.start[: rows + 1], coupling.column[:used], coupling.entry[:used],
-            coupling.answer[:rows], coupling.beyond[:rows],
+            coupling.start[: rows + 1].copy(), coupling.column[:used].copy(),
+            coupling.entry[:used].copy(), coupling.answer[:rows].copy(), coupling.beyond[:rows],
         )  # fmt: skip
-        return Joint(pairs.chosen(slice(found)), coupling, reference)
+        return Joint(ContactPairs(*(part[:found].copy() for part in pairs)), coupling, reference)
 
 
 def _rows(pairs: int, entries: int) -> Coupling:
