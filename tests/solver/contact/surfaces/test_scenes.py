@@ -135,7 +135,7 @@ def test_a_rigid_body_beyond_the_domain_is_felt():
     assert 1.5 * first["momentum-x"] < lost < 2.0 * first["momentum-x"]
     np.testing.assert_allclose(last["contact.block+wall.normal-impulse"], lost, rtol=1e-12)
     assert energy(last) < energy(first)
-    assert deep > -0.05
+    assert deep > -0.06  # what the compliance of patches takes at a third of the waves' speed
 
 
 def test_free_rigid_bodies_take_what_others_lose():
