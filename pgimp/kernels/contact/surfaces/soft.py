@@ -41,12 +41,16 @@ def _is_second(end):
 
 
 @inner_kernel
-def _sum_areas(contact_pairs, coupling, kept, least, sums):
-    """Add the entries of rows times the area vectors of patches that bore in the last step."""
+def _sum_areas(contact_pairs, coupling, kept, least, before, sums):
+    """Add the entries of rows times the area vectors of patches that bore in the last step.
+
+    Those that begin to bear count, too: they close faster than their gaps take a step to.
+    """
     m = 0
     for k in range(len(contact_pairs.ends)):
         m, one = find_kept(kept, m, contact_pairs.ends[k])
-        if one < 0 or _is_second(contact_pairs.ends[k]):
+        bears = one >= 0 or before[k] + contact_pairs.states[k].gap_rate < 0.0
+        if not bears or _is_second(contact_pairs.ends[k]):
             continue
         area = max(contact_pairs.states[k].area, least)
         for side in range(2):
@@ -64,17 +68,20 @@ def _set_soft(coupling, solved, r, area, sums, normal):
 
     `area` has the sign of the side; 0 of a second patch, which has no compliance of its own.
     """
-    whole = 0.0
+    whole, own = 0.0, 0.0
+    for d in range(3):
+        own += normal[d] * normal[d] * coupling.answer[r, d]
     if area != 0.0:  # the velocity along the normal that even pressure gives
         for n in range(coupling.start[r], coupling.start[r + 1]):
             j, along = coupling.column[n], 0.0
             for d in range(3):
                 along += normal[d] * sums[j, d] * solved.inverse_mass[j, d]
             whole += coupling.entry[n, 0] * along
-        whole /= area
+        whole = max(whole / area, own)
     for d in range(3):
         answer = coupling.answer[r, d]
-        solved.soft[r, d] = SOFT * max(whole, answer) if answer > 0.0 else 0.0
+        least = whole if area != 0.0 else answer
+        solved.soft[r, d] = SOFT * least if answer > 0.0 else 0.0
         coupling.answer[r, d] = (1.0 - SOFT) * answer + solved.soft[r, d]
 
 
@@ -134,9 +141,10 @@ def soften(contact, kept, contact_pairs, coupling, solved, sizes, scratch):
         Scratch, zero before.
     """
     (dt, least, parts), (sums, before), m = sizes, scratch, 0
-    _sum_areas(contact_pairs, coupling, kept, least, sums)
     for k in range(len(contact_pairs.ends)):
         before[k] = _normal_velocity(contact, contact_pairs, k, coupling, solved)
+    _sum_areas(contact_pairs, coupling, kept, least, before, sums)
+    for k in range(len(contact_pairs.ends)):
         area = max(contact_pairs.states[k].area, least)
         if _is_second(contact_pairs.ends[k]):
             area = 0.0
