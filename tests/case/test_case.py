@@ -179,6 +179,7 @@ def test_the_resolved_case_reads_like_one_written_by_hand():
         "  at: []\n"
         "  fields: [velocity, stress]\n"
         "  grid: []\n"
+        "  surface: []\n"
         "  precision: float64\n"
         "  compression: none\n"
         "history: {every: {steps: 100}}\n"

@@ -40,7 +40,7 @@ def test_a_case_may_be_periodic():
         ("size: [4.0, 4.0]", "size: [2.0, 4.0]", "3: grid.size.0", ("2 cells are too few", "3")),
         ("  x-max: periodic", "  x-max: periodic\nescape: {x-max: remove}", "12: escape.x-max", ()),
         (
-            "material: soft,", "material: soft, configuration: initial,",
+            "material: soft,", "material: soft, configuration: initial, surface: whole,",
             "8: bodies.block.configuration", (),
         ),
         (

@@ -123,7 +123,7 @@ def test_friction_takes_no_more_than_there_is(dimension):
 def test_a_case_writes_the_wall_as_it_is_read():
     case = sliding(0.3, 24.0)
     typed = Case.model_validate(case)
-    assert "separating: {friction: 0.3}" in dump_case(typed)
+    assert "separating: {friction: 0.3, restitution: 0.0}" in dump_case(typed)
     assert read_case(dump_case(typed), "case.yaml") == typed
     plain = Case.model_validate(case | {"boundaries": {"y-min": "separating"}})
     assert "y-min: separating" in dump_case(plain)

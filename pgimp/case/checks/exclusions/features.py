@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from pgimp.case.body import may_be_exact
 from pgimp.case.checks.exclusions.feature import Feature, Place, named, of_bodies, of_key
-from pgimp.case.checks.rigid_bodies import meet_by_surfaces
 from pgimp.geometry.regions import REGIONS, Box, Points
 from pgimp.physics.loads.motion import RigidMotion
 from pgimp.physics.rigid import RigidBody
@@ -198,7 +198,7 @@ meetings_at_vertices = Feature(
     lambda bodies, rigid_bodies, boundaries, contact, method: (
         Place(("bodies", name, "configuration"), name)
         for _ in _meetings(bodies, rigid_bodies, boundaries, contact)
-        if not meet_by_surfaces(bodies, method, "", boundaries)
+        if not all(may_be_exact(bodies, method))
         for name in some_initial(bodies)
     ),
 )

@@ -26,6 +26,8 @@ def test_facets_do_not_depend_on_who_measures(D, ranks):
     for body, parts in zip(bodies, planes, strict=True):
         found = [find_elements(body, None, part, ()) for part in parts.values()]
         joined = Elements(*map(np.concatenate, zip(*found, strict=True)))
-        own, whole = (facets_of(body, np.zeros(D), np.ones(D), (), some) for some in (joined, None))
+        own, whole = (
+            facets_of(body, np.zeros(D), np.ones(D), elements=some) for some in (joined, None)
+        )
         for one, other in zip(own, whole, strict=True):
             np.testing.assert_array_equal(one, other)
