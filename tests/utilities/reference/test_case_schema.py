@@ -107,9 +107,11 @@ def test_every_column_of_the_history_is_written(dimensions):
     # Errors against an exact solution: tests/physics/exact/test_exact_errors.py. Damping is not
     # for rigid bodies that move freely: tests/solver/damping/test_damping.py. What absorbing faces
     # radiate: tests/solver/damping/test_absorbing.py. Stages that settle: test_settling_stages.py.
-    # The factor of mass scaling: test_mass_scaling.py.
+    # The factor of mass scaling: test_mass_scaling.py. Places and moments of contact by surfaces:
+    # tests/solver/contact/surfaces/test_surface_loads.py.
     moments = ("angular", "angle", "torque", "moment", "height", "top") if dimensions == 1 else ()
-    others = ("error", "damped", "radiated", "settling", "scaling", *moments)
+    places = "contact.[ab+]+.centre", "contact.[ab+]+.moment"
+    others = ("error", "damped", "radiated", "settling", "scaling", *places, *moments)
     assert all(any(part in name for part in others) for name in unwritten)
 
 
