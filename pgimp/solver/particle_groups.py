@@ -224,7 +224,7 @@ def groups_of(rank: RankState, by_cells: bool = False) -> tuple[ParticleGroup, .
     if not scene.settings.mixed:
         return (ParticleGroup(scene.setting, order),)
     rank_in_order = np.empty((2, len(order.rows)), np.int32)
-    ends = np.empty((2, len(order.start)), np.int64)
+    ends = np.zeros((2, len(order.start)), np.int64)  # as long as the kernel is only noted
     body = population.up_to_date().body
     split_order(scene.settings.lagrangian, body, *order, rank_in_order, ends)
     found = [rank_in_order[i, : ends[i, -1]] for i in range(2)]
