@@ -15,6 +15,7 @@ from pgimp.kernels.data.motion import KEPT_MASS
 from pgimp.kernels.data.record import RECORD
 from pgimp.scene.bodies.lattice import Lattice
 from pgimp.scene.bodies.lattice_body import LatticeBody
+from pgimp.scene.bodies.surface_elements import find_elements
 from pgimp.scene.bodies.surface_patches import Facets
 from pgimp.scene.bodies.surfaces.boxes import Closed, distinct
 from pgimp.scene.scene import Scene
@@ -73,8 +74,12 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     closed = [face for face in scene.interaction.loads.surfaces.closed if face not in letting]
     gone = [scene.body_names.index(name) for name in scene.case.staged.removed]
     gone += np.flatnonzero(~scene.settings.lagrangian).tolist()  # of these facets know nothing
-    rehearses = needed(0)  # whatever has no facets has the same kernels
-    here = [number for number in range(len(every)) if number not in gone and not rehearses]
+    here = [number for number in range(len(every)) if number not in gone]
+    if needed(0):  # what has no facets has the same kernels, but for those that measure one plane
+        for number in here:
+            middle = sum(every[number].box[0]) // 2
+            find_elements(every[number], None, (middle, middle + 1), ())
+        here = []
     ends = [_ends(scene, every[number], number, closed) for number in here]
     found = all_facets(rank.comm, [every[number] for number in here], origin, cell, ends)
     body = np.repeat(np.array(here, np.int64), [len(each.x) for each in found])
