@@ -41,16 +41,12 @@ def _is_second(end):
 
 
 @inner_kernel
-def _sum_areas(contact_pairs, coupling, kept, least, before, sums):
-    """Add the entries of rows times the area vectors of patches that bore in the last step.
-
-    Those that begin to bear count, too: they close faster than their gaps take a step to.
-    """
+def _sum_areas(contact_pairs, coupling, kept, least, sums):
+    """Add the entries of rows times the area vectors of patches that bore in the last step."""
     m = 0
     for k in range(len(contact_pairs.ends)):
         m, one = find_kept(kept, m, contact_pairs.ends[k])
-        bears = one >= 0 or before[k] + contact_pairs.states[k].gap_rate < 0.0
-        if not bears or _is_second(contact_pairs.ends[k]):
+        if one < 0 or _is_second(contact_pairs.ends[k]):
             continue
         area = max(contact_pairs.states[k].area, least)
         for side in range(2):
@@ -143,7 +139,7 @@ def soften(contact, kept, contact_pairs, coupling, solved, sizes, scratch):
     (dt, least, parts), (sums, before), m = sizes, scratch, 0
     for k in range(len(contact_pairs.ends)):
         before[k] = _normal_velocity(contact, contact_pairs, k, coupling, solved)
-    _sum_areas(contact_pairs, coupling, kept, least, before, sums)
+    _sum_areas(contact_pairs, coupling, kept, least, sums)
     for k in range(len(contact_pairs.ends)):
         area = max(contact_pairs.states[k].area, least)
         if _is_second(contact_pairs.ends[k]):
