@@ -124,7 +124,7 @@ class Proximity:
         self._reach = (2.0 * TRAVEL) * cell + self.far
         self.reach = self._reach.max()
         self.met = np.empty((0, 2), np.int64)
-        self._pause, self._moved, self._walked = 0, 0.0, np.inf
+        self._pause, self._moved, self._walked = 0, 0.0, 2.0 * WALK
         self._records = np.empty(0, np.int64)
         self._window: object = None
         self._before = np.empty((0, 3))  # displacements of all surface vertices at the last search
@@ -263,7 +263,7 @@ class Proximity:
             self._pause = int(min(LONGEST, left / travel if travel > 0.0 else LONGEST)) - 1
             return divided
         self._before, self._moved = self._everywhere(own, motion[:, U]), 0.0
-        self._walked = np.inf
+        self._walked = 2.0 * WALK
         self._pause = int(max(1.0, min(LONGEST, TRAVEL / travel if travel > 0.0 else LONGEST))) - 1
         self._find_root(rank)
         boxes = self._boxes(rank, table, rigid)
