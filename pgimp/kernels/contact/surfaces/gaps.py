@@ -48,6 +48,9 @@ _SPREADS = 0.05
 #: Depth in cells beyond which a point has to be behind the facets round an edge as well.
 _EDGE = 0.01
 
+#: Facets of a face that are tried, each next to the one before, until one is the one a point is over.
+_ATTEMPTS = 4
+
 #: Iterations for the place in a cell, at most, and the change in cells that ends them: the next one
 #: is its square.
 _NEWTON, _EXACT = 12, 1e-7
@@ -181,7 +184,7 @@ def _find_gap(frame, rigid_bodies, surface, moved, scratch, near):
     least, phi, length, beside = frame.cell[0], 0.0, 1.0, inf
     for d in range(D):
         least = min(least, frame.cell[d])
-    for attempt in range(2):
+    for attempt in range(_ATTEMPTS):
         f, c, close = near.other, surface.cell[near.other], True
         length, phi = 1.0, 0.0
         if c < 0:

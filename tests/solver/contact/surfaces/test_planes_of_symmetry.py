@@ -51,6 +51,6 @@ def test_a_half_moves_as_that_of_the_whole(D, soft):
         lines.append(sim.diagnostics())
     parts = 2.0 ** (D - 1)
     for name in ("strain-energy", "kinetic-energy", "contact.all.normal-impulse"):
-        assert lines[0][name] == pytest.approx(parts * lines[1][name], rel=1e-4)
+        assert lines[0][name] == pytest.approx(parts * lines[1][name], rel=1e-9)
     assert lines[1]["contact.all.normal-impulse"] > 1.0
-    np.testing.assert_allclose(*found, rtol=0.0, atol=3e-4)
+    np.testing.assert_allclose(*found, rtol=0.0, atol=1e-10)
