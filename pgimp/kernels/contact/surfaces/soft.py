@@ -11,7 +11,8 @@ and areas a_i of patches that bear, it is
 
 Even pressure has none. A + C = (1 - c) A + c S: the sweeps have vertices that are heavier, and a
 compliance of each pair's own. So eigenvalues of A + C differ by a factor of about 1/c. The sum has
-all pairs that may bear in the step, so that C is never below zero, and no energy comes from it.
+all patches that may bear in the step, so that C is never below zero. Patches of a second body at
+its tips have no compliance, and none is felt there: those of the first may bear already.
 
 Along the normal C J is a gap: a stiff spring. Across it the change of J since the last step counts,
 so that friction holds what it bears.
@@ -35,37 +36,61 @@ LEAST_AREA = 0.1
 
 
 @inner_kernel
-def _sum_areas(contact_pairs, coupling, least, sums):
+def _is_second(end):
+    """Whether a patch is of the second of two bodies, at a tip: patches of the first are there."""
+    return end.vertex[1] < max(end.bodies[0], end.bodies[1])
+
+
+@inner_kernel
+def _set_areas(contact_pairs, kept, sizes, areas):
+    """Set the areas of patches in sums, 0 of those without; `areas` are their normal velocities.
+
+    These are patches of first bodies that bore in the last step, or may in this one.
+    """
+    (dt, least, _, soon), m = sizes, 0
+    for k in range(len(contact_pairs.ends)):
+        end, row = contact_pairs.ends[k], contact_pairs.states[k]
+        m, one = find_kept(kept, m, end)
+        counts = not _is_second(end) and (one >= 0 or (areas[k] + row.gap_rate) * dt < soon)
+        areas[k] = max(row.area, least) if counts else 0.0
+
+
+@inner_kernel
+def _sum_areas(contact_pairs, coupling, areas, sums):
     """Add the entries of rows times the area vectors of their patches."""
     for k in range(len(contact_pairs.ends)):
-        area = max(contact_pairs.states[k].area, least)
+        if areas[k] == 0.0:
+            continue
         for side in range(2):
             r, sign = contact_pairs.ends[k].rows[side], 2.0 * side - 1.0
             if r >= 0:
                 for n in range(coupling.start[r], coupling.start[r + 1]):
                     for d in range(3):
                         normal = contact_pairs.states[k].normal[d]
-                        sums[coupling.column[n], d] += sign * area * normal * coupling.entry[n, 0]
+                        along = sign * areas[k] * normal
+                        sums[coupling.column[n], d] += along * coupling.entry[n, 0]
 
 
 @inner_kernel
 def _set_soft(coupling, solved, r, area, sums, normal):
     """Set the compliance c S of a row of a patch, and its whole response.
 
-    `area` has the sign of the side.
+    `area` has the sign of the side; 0 of a patch that does not count, see `_set_areas`.
     """
     whole, own = 0.0, 0.0
     for d in range(3):
         own += normal[d] * normal[d] * coupling.answer[r, d]
-    for n in range(coupling.start[r], coupling.start[r + 1]):  # what even pressure gives
-        j, along = coupling.column[n], 0.0
-        for d in range(3):
-            along += normal[d] * sums[j, d] * solved.inverse_mass[j, d]
-        whole += coupling.entry[n, 0] * along
-    whole = max(whole / area, own)
+    if area != 0.0:  # the velocity along the normal that even pressure gives
+        for n in range(coupling.start[r], coupling.start[r + 1]):
+            j, along = coupling.column[n], 0.0
+            for d in range(3):
+                along += normal[d] * sums[j, d] * solved.inverse_mass[j, d]
+            whole += coupling.entry[n, 0] * along
+        whole = max(whole / area, own)
     for d in range(3):
         answer = coupling.answer[r, d]
-        solved.soft[r, d] = SOFT * whole if answer > 0.0 else 0.0
+        least = whole if area != 0.0 else answer
+        solved.soft[r, d] = SOFT * least if answer > 0.0 else 0.0
         coupling.answer[r, d] = (1.0 - SOFT) * answer + solved.soft[r, d]
 
 
@@ -131,25 +156,24 @@ def soften(contact, kept, contact_pairs, coupling, solved, sizes, scratch):
         The response to impulses; `answer` is changed.
     solved : Solved
         After `begin_solution`; `soft` is set, and masses are changed.
-    sizes : (float, float, float)
+    sizes : (float, float, float, float)
         The step; least area of a patch in its weight; the length by which overlaps
-        end in a step, beyond what compliance takes.
-    scratch : ((vertices, 3) float64, (pairs,) float64)
+        end in a step, beyond what compliance takes; the gap at which a patch may bear.
+    scratch : ((vertices, 3) float64, (pairs,) float64, (pairs,) float64)
         Scratch, zero before.
     """
-    (dt, least, parts), (sums, before) = sizes, scratch
+    (dt, _, parts, _), (sums, before, areas) = sizes, scratch
     for k in range(len(contact_pairs.ends)):
         before[k] = _normal_velocity(contact, contact_pairs, k, coupling, solved)
-    _sum_areas(contact_pairs, coupling, least, sums)
+        areas[k] = before[k]
+    _set_areas(contact_pairs, kept, sizes, areas)
+    _sum_areas(contact_pairs, coupling, areas, sums)
     for k in range(len(contact_pairs.ends)):
-        area = max(contact_pairs.states[k].area, least)
         for side in range(2):
             r = contact_pairs.ends[k].rows[side]
             if r >= 0:
-                _set_soft(
-                    coupling, solved, r, area if side else -area, sums,
-                    contact_pairs.states[k].normal,
-                )  # fmt: skip
+                area, normal = (2.0 * side - 1.0) * areas[k], contact_pairs.states[k].normal
+                _set_soft(coupling, solved, r, area, sums, normal)
     for j in range(len(sums)):
         for d in range(3):
             solved.inverse_mass[j, d] *= 1.0 - SOFT
@@ -178,7 +202,7 @@ def soften(contact, kept, contact_pairs, coupling, solved, sizes, scratch):
         deep = before[k] - _normal_velocity(contact, contact_pairs, k, coupling, solved)
         part = _grown(kept[one], row.normal) if one >= 0 else 1.0
         row.gap_rate = max(row.gap_rate, -parts / dt - part * max(deep, 0.0))
-        if row.gap_rate == 0.0:  # no gap corrects it
+        if areas[k] == 0.0 or row.gap_rate == 0.0:  # no gap corrects it
             row.gap_rate -= deep
 
 
