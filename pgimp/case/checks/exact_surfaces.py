@@ -20,14 +20,17 @@ def exact_surfaces(case: Any) -> list[bool]:
     """Whether each body of a `Case` is exact to its surface.
 
     Where bodies do not meet by surfaces, in no stage, and none cuts a particle, lattice particles
-    are exact already: such scenes pay for nothing.
+    are exact already: such scenes pay for nothing. Mean dilatation takes whole cells to be so: at
+    the centre of a cell that is filled in part it is not that of its particles, and locks.
     """
     able = may_be_exact(case.bodies, case.method)
+    means = case.method.volumetric == "mean" and case.dimensions > 1
+    boxes = (1,) * case.dimensions if means else case.method.particles_per_cell
     cut = any(able) and (
         case.staged.meets
         or meets(case)
         or any(
-            cuts(body.region, case.grid, case.method.particles_per_cell)
+            cuts(body.region, case.grid, boxes)
             for body, one in zip(case.bodies.values(), able, strict=True)
             if one
         )
