@@ -28,7 +28,7 @@ from pgimp.kernels.contact.surfaces.gaps import find_gaps
 from pgimp.kernels.contact.surfaces.groups import book_groups, solve_groups
 from pgimp.kernels.contact.surfaces.loads import add_loads
 from pgimp.kernels.contact.surfaces.motion import move_facets
-from pgimp.kernels.contact.surfaces.rows import PARTS, find_patch_pairs
+from pgimp.kernels.contact.surfaces.rows import PARTS, TOUCHES, find_patch_pairs
 from pgimp.kernels.contact.surfaces.soft import LEAST_AREA, apply_impulses, soften
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
 from pgimp.kernels.data.record import RECORD
@@ -78,7 +78,8 @@ class SurfaceContact(LagrangianContact):
         self._acts = np.zeros((0, 0), np.uint8)
         self._rate, self._room = 0.0, (ContactPairs.empty(0), _rows(0, 0))
         cell = scene.domain.frame.cell
-        self._sizes = LEAST_AREA * min(cell) ** (len(cell) - 1), PARTS * min(cell)
+        lengths = PARTS * min(cell), TOUCHES * min(cell)
+        self._sizes = LEAST_AREA * min(cell) ** (len(cell) - 1), *lengths
         #: SurfaceLoads or None: Loads on facets, where the case asks for frames of surfaces.
         self.loads = SurfaceLoads(comm) if scene.case.output.surface else None
         self._every = no_facets(0)
@@ -261,7 +262,7 @@ class SurfaceContact(LagrangianContact):
         compliant = coupling._replace(answer=coupling.answer.copy())
         softened = Solved(*(part.copy() for part in solved))
         softened = softened._replace(soft=np.zeros_like(coupling.answer))
-        scratch, kept = (np.zeros(solved.velocity.shape), np.zeros(count)), self._warm_start.kept
+        scratch, kept = (np.zeros(solved.velocity.shape), *np.zeros((2, count))), self._warm_start.kept
         sizes = self._dt, *self._sizes
         call(soften, contact, kept, pairs, compliant, softened, sizes, scratch)
         self._warm_start.begin(contact, pairs, compliant, softened, self._dt)
