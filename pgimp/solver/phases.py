@@ -50,9 +50,10 @@ class Phases(StepPart):
         self._F = self._v = self._L = np.empty((0, 0))
         self._books: tuple[Ledger, Ledger] | None = None
 
-    def field(self, rank: RankState) -> Field:
+    @property
+    def field(self) -> Field:
         """The field that moves and strains particles: velocities mapped from them."""
-        return rank.grid.field._replace(G=self._sums.grid.G)
+        return self._sums.grid.field
 
     def strain(
         self, rank: RankState, groups: Sequence[ParticleGroup], update: VertexUpdate, loads: Loads
@@ -88,7 +89,7 @@ class Phases(StepPart):
         )
         self._sums.fit(grid, rank.contact.fields)
         self._sums.add(columns, order, np.arange(grid.planes))
-        field, domain, still = self.field(rank), self.scene.domain, self._still
+        field, domain, still = self.field, self.scene.domain, self._still
         for seam in domain.seams:
             rank.call(fold_values, domain.frame, field, seam, ALL, True)
         if still.forcing.marked:
