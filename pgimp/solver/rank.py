@@ -103,6 +103,7 @@ class Rank:
     mean_dilatation: Any
     damping: Any
     averaged_mass: Any
+    phases: Any
     crossings: Any
     flows: Any
     penetration: Any

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from pgimp.kernels.data.arguments import Forcing, Order
@@ -46,6 +47,19 @@ class StepPart:
             Its particles: all, or in scenes of both configurations those in the current one.
         done : int
             Number of the step before.
+        """
+
+    def strain(
+        self, rank: RankState, groups: Sequence[Any], update: VertexUpdate, loads: Loads
+    ) -> None:
+        """Strain particles before forces act, with all sums at hand; collective.
+
+        Parameters
+        ----------
+        groups : sequence of ParticleGroup
+            The particles.
+        update, loads
+            The step's; the sums must be the same thereafter, but for the stress.
         """
 
     def add_forces(self, rank: RankState, update: VertexUpdate) -> None:

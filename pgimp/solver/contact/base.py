@@ -112,6 +112,13 @@ class NoContact:
             self.advance(rank, update, part, field._replace(active=active))
             part = FURTHER
 
+    def hold(self, rank: RankState, update: VertexUpdate, field: Field) -> None:
+        """Let momenta of a `field` become velocities that satisfy contact and faces, by no force.
+
+        The rank's own before its update, or another like it after that.
+        """
+        self.advance(rank, update, WHOLE, field)
+
     def exchange(self, rank: RankState, update: VertexUpdate) -> None:
         """Exchange impulses between vertices at different positions."""
 

@@ -19,7 +19,7 @@ from pgimp.kernels.contact.select import select_near
 from pgimp.kernels.contact.vertex import find_contact_vertices
 from pgimp.kernels.contact.vertex_list import list_vertices
 from pgimp.kernels.contact.volumes import volume_sums
-from pgimp.kernels.data.arguments import Order
+from pgimp.kernels.data.arguments import Field, Order
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
 from pgimp.kernels.step.momentum import BEGINNING, REST, WHOLE
 from pgimp.mpi.communicator import Communicator
@@ -164,6 +164,12 @@ class MultifieldContact(NoContact):
         self._solve_free(rank, update)
         self.advance(rank, update, REST)
         self.free.move(self.rigid_bodies, rank.grid, update.t.dt)
+
+    def hold(self, rank: RankState, update: VertexUpdate, field: Field) -> None:
+        """See `NoContact.hold`; what the update has listed is listed for another field, too."""
+        if field is rank.grid.field:
+            self._list(rank, update, False)
+        self.advance(rank, update, WHOLE, field)
 
     def _solve_free(self, rank: RankState, update: VertexUpdate) -> None:
         """Find the velocities of free rigid bodies at the step's end."""

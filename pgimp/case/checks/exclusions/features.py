@@ -50,6 +50,9 @@ of_points = of_key("points (`mpm`)", "method.shape", lambda method: method.is_po
 not_separable = of_key("`cpdi-corners`", "method.shape", lambda method: not method.separable)
 initial_volume = of_key("`volume: initial`", "method.volume", lambda method: not method.tracked)
 mean = of_key("mean dilatation", "method.volumetric", lambda method: method.volumetric == "mean")
+ordered = of_key(
+    "`stress: average` and `last-mapped`", "method.stress", lambda method: method.stress != "last"
+)
 one_particle = Feature(
     "one particle along two or three directions of a cell",
     lambda method: (

@@ -57,6 +57,15 @@ SCENES = (
     Exclusion(f.mean, f.no_boxes,
         "mean is for particles that are boxes, whose parts in cells are known; {b.name} are none:",
         "take shape: gimp, finite-gimp or cpdi, or leave it out (pointwise)"),
+    Exclusion(f.ordered, f.all_initial,
+        "is for the current configuration; in the initial one, as of '{b.name}', vertices keep "
+        "their velocities, and steps lose no energy:", "leave it out (last)"),
+    Exclusion(f.ordered, f.mixed,
+        "is for bodies that are all in the current configuration, but {b.name}",
+        "leave it out (last)"),
+    Exclusion(f.ordered, f.free_rigid,
+        "the velocities of '{b.name}', which moves freely, follow from those of vertices before "
+        "they are mapped", "give it a motion, rigid: {{velocity: ..}}, or leave this out (last)"),
     # The initial configuration.
     Exclusion(f.one_particle, f.initial_on_lattice,
         "bodies in the initial configuration, as '{b.name}', have hourglass modes with one "
