@@ -346,5 +346,6 @@ def find_gaps(frame, rigid_bodies, walls, surface, moved, scratch, far, every):
         same = 0.0
         for d in range(3):
             same += surface.turned[s, d] * near.normal[d]
-        if same > FACES:
+        second = near.body < surface.body[s]  # those of the first body look for its faces
+        if same > FACES or (second and same < STEEP):
             near.gap = inf

@@ -12,7 +12,8 @@ and areas a_i of patches that bear, it is
 Even pressure has none. A + C = (1 - c) A + c S: the sweeps have vertices that are heavier, and a
 compliance of each pair's own. So eigenvalues of A + C differ by a factor of about 1/c. The sum has
 all patches that may bear in the step, so that C is never below zero. Patches of a second body at
-its tips have no compliance, and none is felt there: those of the first may bear already.
+its tips have c A_ii, and what is between them and others is not felt there. So where those of the
+first body bear already, they do not.
 
 Along the normal C J is a gap: a stiff spring. Across it the change of J since the last step counts,
 so that friction holds what it bears.
@@ -75,7 +76,8 @@ def _sum_areas(contact_pairs, coupling, areas, sums):
 def _set_soft(coupling, solved, r, area, sums, normal):
     """Set the compliance c S of a row of a patch, and its whole response.
 
-    `area` has the sign of the side; 0 of a patch that does not count, see `_set_areas`.
+    `area` has the sign of the side; 0 of a patch that does not count, see `_set_areas`: it has a
+    spring of its own, beside what its own response takes.
     """
     whole, own = 0.0, 0.0
     for d in range(3):
@@ -89,7 +91,7 @@ def _set_soft(coupling, solved, r, area, sums, normal):
         whole = max(whole / area, own)
     for d in range(3):
         answer = coupling.answer[r, d]
-        least = whole if area != 0.0 else answer
+        least = whole if area != 0.0 else 2.0 * answer
         solved.soft[r, d] = SOFT * least if answer > 0.0 else 0.0
         coupling.answer[r, d] = (1.0 - SOFT) * answer + solved.soft[r, d]
 
@@ -191,6 +193,8 @@ def soften(contact, kept, contact_pairs, coupling, solved, sizes, scratch):
             if r >= 0:
                 for d in range(3):
                     contact_pairs.rigid[k, side, d] = -sign * solved.soft[r, d] * J[d]
+                    if areas[k] == 0.0:  # of its own spring the depth itself stays
+                        row.gap_rate += 0.5 * solved.soft[r, d] * J[d] * row.normal[d]
                 add_impulse(r, (again * J[0], again * J[1], again * J[2]), sign, coupling, solved)
     m = 0
     for k in range(len(contact_pairs.ends)):
