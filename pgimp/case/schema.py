@@ -22,6 +22,8 @@ from pydantic import (
 
 from pgimp.case.body import Body
 from pgimp.case.checks.parts import check, sound_parts
+from pgimp.case.choices.choose import left_out
+from pgimp.case.choices.resolve import resolve
 from pgimp.case.damping import Damping
 from pgimp.case.defaults import with_defaults
 from pgimp.case.escape import EscapeEntry
@@ -52,8 +54,8 @@ from pgimp.schema.tables import VaryingVector
 
 
 def _format(value: int) -> int:
-    if value != 1:
-        raise problem(f"this pgimp reads format 1, got {value}")
+    if value not in (1, 2):
+        raise problem(f"this pgimp reads formats 1 and 2, got {value}")
     return value
 
 
@@ -289,7 +291,12 @@ class Case(Model):
         known = context.get("counted", 0.0), context.get("began", 0.0), context.get("gone", ())
         span = data.get("time")
         with until(span.get("end") if isinstance(span, Mapping) else None):
-            return cls._check_sound(data, handler, known, written)
+
+            def sound(given: dict[str, Any]) -> Self:
+                return cls._check_sound(given, handler, known, written)
+
+            open_keys = left_out(data)
+            return sound(data) if open_keys is None else resolve(data, open_keys, handler, sound)
 
     @classmethod
     def _check_sound(
