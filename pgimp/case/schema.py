@@ -7,7 +7,7 @@ and time; stress is mass/(length time^2). Tension is positive.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
@@ -291,12 +291,12 @@ class Case(Model):
         known = context.get("counted", 0.0), context.get("began", 0.0), context.get("gone", ())
         span = data.get("time")
         with until(span.get("end") if isinstance(span, Mapping) else None):
-
-            def sound(given: dict[str, Any]) -> Self:
-                return cls._check_sound(given, handler, known, written)
-
+            sound = partial(cls._check_sound, handler=handler, known=known, written=written)
             open_keys = left_out(data)
-            return sound(data) if open_keys is None else resolve(data, open_keys, handler, sound)
+            if open_keys is None:
+                return sound(data)
+            case: Self = resolve(data, open_keys, handler, sound)
+            return case
 
     @classmethod
     def _check_sound(

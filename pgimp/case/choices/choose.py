@@ -5,14 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
-from pgimp.case.choices.facts import (
-    BodyChoice,
-    Meeting,
-    SceneChoice,
-    facts_of,
-    meeting,
-)
-from pgimp.case.choices.rules import CONTACT, MASS, OF_BODIES, OF_SCENES, Rule, rule_of
+from pgimp.case.choices.facts import BodyChoice, Meeting, SceneChoice, facts_of, meeting
+from pgimp.case.choices.rules import CONTACT, MASS, OF_BODIES, OF_SCENES, rule_of
 from pgimp.schema.pages import page
 
 #: Stands for `pgimp.case.schema.Case`, whose module imports these.
@@ -36,6 +30,11 @@ class Choice(NamedTuple):
     value: Any
     reason: str
     page: str  #: As links between pages have it.
+    instead: bool = False  #: Whether a better one is refused in the case.
+
+    def because(self, refused: str) -> Choice:
+        """Return it with the problem of the better choice."""
+        return self._replace(reason=f"{self.reason} ({refused})") if self.instead else self
 
 
 class Open(NamedTuple):
@@ -57,7 +56,9 @@ def left_out(data: Mapping[str, Any]) -> Open | None:
     """
     method, time, every = (data.get(key) for key in ("method", "time", "bodies"))
     method = {} if method is None or method == "auto" else method
-    if not all(isinstance(part, Mapping) for part in (method, time, every)):
+    if not (
+        isinstance(method, Mapping) and isinstance(time, Mapping) and isinstance(every, Mapping)
+    ):
         return None
     if data.get("dimensions") not in (1, 2, 3) or isinstance(data.get("dimensions"), bool):
         return None
@@ -126,11 +127,7 @@ def candidates(case: Case, open_keys: Open) -> Iterator[dict[Path, Choice]]:
 
 
 def _choices(
-    case: Case,
-    open_keys: Open,
-    facts: list[BodyChoice],
-    met: Meeting,
-    may: tuple[bool, bool, bool],
+    case: Case, open_keys: Open, facts: list[BodyChoice], met: Meeting, may: tuple[bool, bool, bool]
 ) -> dict[Path, Choice]:
     """Choices, as far as the initial configuration, averaged mass and mean dilatation `may` be."""
     found: dict[Path, Choice] = {}
@@ -140,11 +137,12 @@ def _choices(
         value, reason = rule.value, f"{_WORDS[body.kind]}: {rule.reason}"
         if body.wall and rule.page == "walls.md":
             reason += f" ({body.wall})"
-        if not may[0] and value == "initial":
-            value, reason = "current", "the initial configuration is refused in this scene"
+        instead = not may[0] and value == "initial"
+        if instead:
+            value, reason = "current", "initial is refused in this case"
         if body.name in open_keys.bodies:
             path = ("bodies", body.name, "configuration")
-            found[path] = Choice(path, value, reason, rule.page)
+            found[path] = Choice(path, value, reason, rule.page, instead)
         else:
             value = case.bodies[body.name].configuration
         initial.append(value == "initial")
@@ -161,7 +159,12 @@ def _choices(
     )
     for body, one in zip(facts, initial, strict=True):
         rule = MASS[0]
-        if may[1] and body.name in open_keys.masses and all(initial) and rule.fits((body, one, scene)):
+        if (
+            may[1]
+            and body.name in open_keys.masses
+            and all(initial)
+            and rule.fits((body, one, scene))
+        ):
             path = ("bodies", body.name, "mass")
             found[path] = Choice(path, rule.value, rule.reason, rule.page)
     for key in open_keys.method:
@@ -174,19 +177,18 @@ def _choices(
         found["method", key] = Choice(("method", key), value, rule.reason, rule.page)
     if open_keys.step:
         rule = rule_of(OF_SCENES, "courant", scene)
-        path = ("time", "step")
-        found[path] = Choice(path, {"courant": rule.value}, rule.reason, rule.page)
+        found["time", "step"] = Choice(
+            ("time", "step"), {"courant": rule.value}, rule.reason, rule.page
+        )
     return found
 
 
 def _contact(met: Meeting) -> tuple[Data, ...]:
-    """Entries of contact: of all that may meet; what flows stays together."""
-    if not met.pairs:
+    """Entries of contact: of all that may meet, but for groups that stay together."""
+    if not met.pairs:  # the others share a field as they are
         return ()
-    together: tuple[Data, ...] = ()
-    if len(met.flowing) > 1:
-        together = ({"bodies": met.flowing, "law": "tied"},)
-    return ({"bodies": "all"}, *together)
+    tied = ({"bodies": group, "law": "tied"} for group in met.together)
+    return ({"bodies": "all"}, *tied)
 
 
 def _met(met: Meeting) -> str:
@@ -208,7 +210,9 @@ def lines(case: Case) -> list[str]:
     found: Mapping[Path, Choice] = case.__dict__.get("chosen", {})
     texts = []
     for name in case.bodies:
-        body = [found[p] for p in (("bodies", name, k) for k in ("configuration", "mass")) if p in found]
+        body = [
+            found[p] for p in (("bodies", name, k) for k in ("configuration", "mass")) if p in found
+        ]
         if body:
             values = ", ".join(f"{one.path[-1]} {one.value}" for one in body)
             reasons = "; ".join(one.reason for one in body)

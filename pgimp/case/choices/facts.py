@@ -28,6 +28,8 @@ Kind = Literal["elastic", "metal", "soil", "grains", "liquid", "gas", "other"]
 FLOWING = ("soil", "grains", "liquid", "gas")
 #: Least distance, and part of the larger body, within which two bodies may meet.
 _CELLS, _PART = 2.0, 0.1
+#: Strain of grips and tools over that at yield, above which a plastic body collapses.
+_YIELDS = 5.0
 #: Most pairs that are looked at; scenes with more have contact of all.
 _MOST_PAIRS = 2000
 
@@ -39,8 +41,10 @@ class BodyChoice(NamedTuple):
     kind: Kind
     #: Poisson's ratio, its greatest if it varies; 0 where it is unknown.
     poisson: float
-    #: Strain that loads and impacts may cause, at the order of magnitude.
+    #: Strain that grips, tools and impacts may cause, at the order of magnitude; of a metal,
+    #: whether that of grips and tools is several times its strain at yield.
     strain: float
+    yields: bool
     fails: bool  #: Whether its material may tear.
     wall: str  #: Face that it may come to, and that holds only what lies on it at the start.
     leaves: bool  #: Whether its particles, or parts of the ground, come or go.
@@ -88,24 +92,30 @@ def kind_of(material: Any) -> Kind:
 def facts_of(case: Case) -> list[BodyChoice]:
     """Return the facts about each body of a case that has no problems but of its method."""
     boxes = boxes_of(case)
-    leaving = bool(case.escape) or any(one.remove or one.add for one in case.time.stages)
+    dug = staged_bodies(case)
     found = []
     for box in boxes:
         material = case.materials[case.bodies[box.name].material]
         kind = kind_of(material)
-        poisson = getattr(material, "poisson", 0.0)
+        strain, yields = (0.0, False) if kind in FLOWING else _strain(case, box, material, kind)
         found.append(
             BodyChoice(
                 box.name,
                 kind,
-                float(poisson) if isinstance(poisson, float | int) else _most(poisson),
-                _strain(case, box, material, kind),
+                _number(getattr(material, "poisson", 0.0)),
+                strain,
+                yields,
                 bool(getattr(material, "damage", None)),
                 next(_walls(case, box), ""),
-                leaving or box.name in case.inflow,
+                bool(dug) or box.name in case.inflow,
             )
         )
     return found
+
+
+def staged_bodies(case: Case) -> set[str]:
+    """Names of the bodies that stages take out or bring."""
+    return {name for stage in case.time.stages for name in (*stage.remove, *stage.add)}
 
 
 def boxes_of(case: Case) -> list[Box]:
@@ -161,12 +171,9 @@ def _walls(case: Case, box: Box) -> Iterator[str]:
             yield face
 
 
-def _strain(case: Case, box: Box, material: Any, kind: Kind) -> float:
-    """Order of magnitude of a solid's strain: by grips and tools, an impact, and its weight."""
-    if kind in FLOWING:
-        return 0.0
-    sizes = np.maximum(box.high[0] - box.low[0], 1e-300)
-    end = case.time.end
+def _strain(case: Case, box: Box, material: Any, kind: Kind) -> tuple[float, bool]:
+    """Strain of a solid by grips and tools, or by an impact; and whether the former yields."""
+    sizes, end = np.maximum(box.high[0] - box.low[0], 1e-300), case.time.end
     ways = [np.zeros(case.dimensions)]
     for entry in case.constraints.values():
         if entry.body == box.name and not entry.field:
@@ -176,21 +183,24 @@ def _strain(case: Case, box: Box, material: Any, kind: Kind) -> float:
         for _, _, axis, side in faces_with_condition(case)
     )
     apart = np.ptp(ways, axis=0) if held else np.zeros(case.dimensions)
+    for entry in case.constraints.values():  # tools of a material
+        if kind == "metal" and entry.body != box.name and not entry.field:
+            way = np.array([v or 0.0 for v in entry.displacement(end)])
+            apart = np.maximum(apart, np.abs(way))
     for body in case.rigid_bodies.values():
         if isinstance(body.rigid, Motion) and body.rigid.moves:
-            times = instants(case)
-            way = np.array([body.rigid.displacement(float(t)) for t in times])
+            way = np.array([body.rigid.displacement(float(t)) for t in instants(case)])
             apart = np.maximum(apart, np.abs(way[:, : case.dimensions]).max(axis=0))
-    strain = float((apart / sizes).max())
+    grips = float((apart / sizes).max())
     density, young = _number(material.density), _number(getattr(material, "young", None))
     strength = _number(getattr(material, "yield_stress", None) or getattr(material, "a", None))
     speeds = [_speed(body.velocity) for body in case.bodies.values()]
     closing = _speed(case.bodies[box.name].velocity) or max(speeds)
-    if kind == "metal" and density and strength:
+    strain = max(grips, closing * (density / young) ** 0.5 if young else 0.0)
+    if kind == "metal" and strength:
         strain = max(strain, density * closing**2 / strength)  # Johnson's damage number
-    if density and young:
-        strain = max(strain, closing * (density / young) ** 0.5)
-    return strain if isfinite(strain) else 1.0
+    yields = kind == "metal" and young * grips > _YIELDS * strength
+    return (strain, yields) if isfinite(strain) else (1.0, kind == "metal")
 
 
 def _number(value: Any) -> float:
@@ -208,16 +218,17 @@ class Meeting(NamedTuple):
     """Pairs of bodies that may meet: names, and whether they touch at the start."""
 
     pairs: tuple[tuple[str, str, bool], ...]
-    flowing: tuple[str, ...]  #: Bodies that flow together where they touch.
+    #: Groups that stay together: what flows, and what stages take out or bring and its neighbours.
+    together: tuple[tuple[str, ...], ...]
 
 
 def meeting(case: Case, facts: list[BodyChoice]) -> Meeting:
-    """Find the pairs of bodies that may meet, but for those that flow together.
+    """Find the pairs of bodies that may meet, but for those that stay together.
 
     Rigid bodies may meet whatever is in the domain; two rigid ones are left out.
     """
-    flowing = tuple(body.name for body in facts if body.kind in FLOWING)
-    boxes = boxes_of(case)
+    flowing = {body.name for body in facts if body.kind in FLOWING}
+    boxes, dug, held = boxes_of(case), staged_bodies(case), []
     pairs = []
     for one, other in combinations(boxes, 2) if len(boxes) ** 2 < 2 * _MOST_PAIRS else ():
         if one.name in flowing and other.name in flowing:
@@ -230,8 +241,12 @@ def meeting(case: Case, facts: list[BodyChoice]) -> Meeting:
         step = np.abs(np.diff(gap, axis=0, append=gap[-1:]))
         if (gap - step < near).all(axis=1).any():
             touching = bool((gap[0] <= TOUCH * np.array(case.grid.cell)).all())
-            pairs.append((one.name, other.name, touching))
+            if touching and {one.name, other.name} & dug:
+                held.append((one.name, other.name))
+            else:
+                pairs.append((one.name, other.name, touching))
     if len(boxes) ** 2 >= 2 * _MOST_PAIRS:
         pairs = [(boxes[0].name, boxes[1].name, False)]
     pairs += [(one, other, False) for other in case.rigid_bodies for one in case.bodies]
-    return Meeting(tuple(pairs), flowing)
+    together = [tuple(name for name in case.bodies if name in flowing), *held]
+    return Meeting(tuple(pairs), tuple(group for group in together if len(group) > 1))

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from pgimp.case.choices.facts import BodyChoice, SceneChoice
+from pgimp.case.choices.facts import BodyChoice
 
 #: Strain above which a metal's steps in the initial configuration become too short.
 METAL_STRAIN = 0.1
@@ -40,7 +40,7 @@ OF_BODIES: tuple[Rule, ...] = (
     Rule(
         "configuration",
         "current",
-        "particles leave or enter, or stages dig out or fill",
+        "stages take out or bring bodies, or it enters by inflow",
         lambda body: body.leaves,
         "particles or parts of the ground come or go",
         "refused, or bonds that jump, in the initial configuration",
@@ -76,11 +76,12 @@ OF_BODIES: tuple[Rule, ...] = (
     Rule(
         "configuration",
         "current",
-        f"a metal strained by more than {METAL_STRAIN:g} by an impact or tools",
-        lambda body: _body(body, "metal") and body.strain > METAL_STRAIN,
-        "its plastic flow is large, and steps would become short",
-        "Taylor's bar: radius 7.01 mm, with `initial` 7.38 (published 6.9 to 7.2), in 1/6 of the "
-        "steps' time",
+        f"a metal, or clay as one, strained by more than {METAL_STRAIN:g}, or by tools and grips "
+        "to several times its yield strain",
+        lambda body: _body(body, "metal") and (body.strain > METAL_STRAIN or body.yields),
+        "its plastic flow is large",
+        "a footing is right to 1.5 %, with `initial` to 8.9 %; Taylor's bar has a radius of 7.01 "
+        "mm, with `initial` 7.38 (published 6.9 to 7.2) in four times the time",
         "metals.md#in-runs",
     ),
     Rule(
@@ -98,7 +99,7 @@ OF_BODIES: tuple[Rule, ...] = (
         "initial",
         "an elastic body",
         lambda body: _body(body, "elastic"),
-        "it is elastic and keeps together: vibrations and spin last, and nothing tears",
+        "it keeps together, so that vibrations and spin last and nothing tears",
         "a cantilever keeps 1.003 of its energy for 50 periods, not 0.49; a bounce loses 2 %, not "
         "42 %; a step costs 0.19 to 0.29",
         "methods.md#initial-and-current-configuration",
