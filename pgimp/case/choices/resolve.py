@@ -59,7 +59,7 @@ def resolve(
             continue
         choices = {p: one.because(refused) for p, one in choices.items()}
         for each in (case, *case.stages):
-            each.__dict__["chosen"] = choices
+            each.__dict__ |= {"chosen": choices, "left_out": open_keys}
         return case
     return sound(first)
 
