@@ -22,7 +22,8 @@ from pydantic import (
 
 from pgimp.case.body import Body
 from pgimp.case.checks.parts import check, sound_parts
-from pgimp.case.choices.choose import left_out
+from pgimp.case.choices.choose import left_out, without_choice
+from pgimp.case.choices.forms import AUTO_METHOD, MethodEntry, or_bonded
 from pgimp.case.choices.resolve import resolve
 from pgimp.case.damping import Damping
 from pgimp.case.defaults import with_defaults
@@ -103,7 +104,10 @@ class Case(Model):
     """A case: everything that defines a run."""
 
     format: Annotated[Count, AfterValidator(_format)] = Field(
-        description="version of the case file's format", json_schema_extra={"enum": [1]}
+        description="version of the case file's format. 2 chooses what is left out of the method, "
+        "whatever else of it is given; 1 only where shape, particles_per_cell or time.step is left "
+        "out, too",
+        json_schema_extra={"enum": [1, 2]},
     )
     title: Label = Field(default="", description="one line about the case")
     units: Label = Field(
@@ -121,8 +125,12 @@ class Case(Model):
         "whole body, all round the axis",
     )
     grid: Grid = Field(description="the regular grid, which is the domain")
-    method: Annotated[Any, ByField(_shapes, "shape", "shape")] = Field(
-        description="the shape of the particles, which decides the method"
+    method: Annotated[Any, MethodEntry(_shapes, "shape", "shape")] = Field(
+        default=AUTO_METHOD,
+        description="the shape of the particles, which decides the method. What is left out of it "
+        "is chosen, and so are `configuration` and `mass` of bodies, `time.step` and `contact`, by "
+        "rules that the page 'Which method' has; `pgimp check` and the run say what and why. In "
+        "format 1 nothing is chosen where shape, particles_per_cell and time.step are given",
     )
     time: Time = Field(description="end and step")
     start: StartEntry = Field(default=StartEntry(), description="the state at time 0")
@@ -200,7 +208,9 @@ class Case(Model):
         max_length=60,
         description="what happens where bodies meet. Bodies of a pair that an entry is for have "
         "velocity fields of their own; all others share one, so that they feel each other up to "
-        "two cells before they touch, and stick together",
+        "two cells before they touch, and stick together. Left out where the method is "
+        "chosen: bodies that may meet do so without friction; bonded: all stick together",
+        json_schema_extra=or_bonded,
     )
     exact: Annotated[Any, ByName(_solutions, "solution")] = Field(
         default=None,
@@ -294,7 +304,7 @@ class Case(Model):
             sound = partial(cls._check_sound, handler=handler, known=known, written=written)
             open_keys = left_out(data)
             if open_keys is None:
-                return sound(data)
+                return sound(without_choice(data))
             case: Self = resolve(data, open_keys, handler, sound)
             return case
 

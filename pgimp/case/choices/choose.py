@@ -78,6 +78,20 @@ def left_out(data: Mapping[str, Any]) -> Open | None:
     return found if any(found) else None
 
 
+def without_choice(data: Mapping[str, Any]) -> Data:
+    """Return data in which nothing is chosen, with a method where parts of the wrong form lack one.
+
+    So that it does not hide what is wrong with them.
+    """
+    found, count, time = dict(data), data.get("dimensions"), data.get("time")
+    if found.get("method") in (None, "auto"):
+        known = count if count in (1, 2, 3) else 1
+        found["method"] = {"shape": "gimp", "particles_per_cell": (2,) * int(known or 1)}
+    if isinstance(time, Mapping) and "step" not in time:
+        found["time"] = {**time, "step": {"courant": 0.3}}
+    return found
+
+
 def plain(data: Mapping[str, Any], open_keys: Open) -> Data:
     """Return the data with defaults that every case can have: for looking at it."""
     count = int(data["dimensions"])
