@@ -29,11 +29,15 @@ def kept(case: Case, before: Case) -> Case:
         changed = True
     if not changed:
         return case
-    found = type(case).model_validate(data)
+    return carried(case, type(case).model_validate(data))
+
+
+def carried(case: Case, other: Case) -> Case:
+    """Return another form of a case, with what is known of its choices and its file."""
     for name in ("chosen", "left_out", "written"):
         if name in case.__dict__:
-            found.__dict__[name] = case.__dict__[name]
-    return found
+            other.__dict__.setdefault(name, case.__dict__[name])
+    return other
 
 
 def paths_of(open_keys: Open) -> Iterator[Path]:
