@@ -156,14 +156,15 @@ OF_SCENES: tuple[Rule, ...] = (
     Rule(
         "shape",
         "finite-gimp",
-        f"elastic ones strained by more than {LARGE:g} there, beside no flow",
+        f"solids strained by more than {LARGE:g} there, metals too, beside no flow",
         lambda scene: (
             scene.strain > LARGE
-            and scene.some("elastic", "other")
+            and scene.some("elastic", "metal", "other")
             and not scene.some("liquid", "soil", "grains", "gas")
         ),
         "boxes follow the deformation",
-        "a column's stress at 16 % is right to 0.09 %, with `gimp` to 0.9 %, at 1.2 of the cost",
+        "a column's stress at 16 % is right to 0.09 %, with `gimp` to 0.9 %, at 1.2 of the cost; "
+        "Taylor's bar is within what was published, with `gimp` 4 % outside",
         "methods.md#every-method",
     ),
     Rule(

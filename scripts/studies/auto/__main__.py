@@ -6,7 +6,7 @@ import tempfile
 from pathlib import Path
 
 from studies.auto.problems import PROBLEMS, Problem
-from studies.harness import CASES, Kept, options_of, origin, out
+from studies.harness import CASES, Kept, options_of, origin, out, put, table
 
 import pgimp
 from pgimp.errors import PgimpError
@@ -14,7 +14,7 @@ from pgimp.schema.document import parse
 
 #: Methods by name, besides that of the case itself; all with two particles a cell and direction.
 METHODS = {
-    "today's default": {},
+    "former default": {},
     "affine": {"affine": True},
     "affine, mean": {"affine": True, "volumetric": "mean"},
     "cpdi, affine": {"shape": "cpdi", "affine": True},
@@ -47,7 +47,7 @@ def bare(data: dict) -> dict:
 
 
 def named(data: dict, method: dict, contact) -> dict:
-    """The bare case with a method, of today's defaults elsewhere."""
+    """The bare case with a method, of former defaults elsewhere."""
     method = dict(method)
     configuration = method.pop("configuration", "current")
     count = data["dimensions"]
@@ -102,6 +102,37 @@ def main():
             print(f"{name}: {way}: {found[0]}, {found[1]:.2f} s {found[2]}", flush=True)
         kept["origin"] = origin()
         kept.save()
+    put({"auto": text(kept)})
+
+
+def text(kept: dict) -> str:
+    """The table: errors and costs of no method keys, of the former default, and of the best."""
+
+    def shown(found) -> str:
+        error, seconds, _ = found
+        return "stopped" if error is None else f"{_percent(error)}, {seconds:.1f}"
+
+    rows = []
+    for name, problem in PROBLEMS.items():
+        ways = {way: kept.get(f"{name}: {way}") for way in ("as shipped", *METHODS)}
+        sound = {way: found for way, found in ways.items() if found and found[0] is not None}
+        auto = kept.get(f"{name}: auto")
+        if auto is None or not sound:
+            continue
+        best = min(sound, key=lambda way: sound[way][0])
+        before = ways["former default"] or (None, 0.0, "")
+        rows.append(
+            (name, problem.what, shown(auto), shown(before), f"{best}: {shown(sound[best])}")
+        )
+    titles = (
+        "problem", "error of", "no method key: error in %, s", "former default", "best of the named"
+    )  # fmt: skip
+    return table(titles, rows, f"Measured by `scripts/auto` on {kept['origin']}.")
+
+
+def _percent(part: float) -> str:
+    value = 100.0 * part
+    return "> 100" if value > 100.0 else "< 0.001" if value < 1e-3 else f"{value:.2g}"
 
 
 if __name__ == "__main__":
