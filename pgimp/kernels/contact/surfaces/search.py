@@ -3,10 +3,13 @@
 from math import inf
 
 from pgimp.jit.kernel import inner_kernel, kernel
-from pgimp.kernels.contact.surfaces.gaps import STEEP, apart, reluctance
+from pgimp.kernels.contact.surfaces.nearest import apart, reluctance
 from pgimp.kernels.data.motion import DISPLACEMENT
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.once.neighbours import first_not_below
+
+#: Cosine below which facets that others look for leave it to these.
+STEEP = -0.8
 
 
 @kernel

@@ -32,9 +32,14 @@ def pieces_of(D: int) -> Pieces:
     return np.zeros(count, np.int64), np.zeros((count, 2**D)), np.zeros((2, 16, 3)), np.zeros(3)
 
 
+def kept_of(D: int, count: int) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Allocate for so many pieces of facets that are kept within a step: cells, and weights."""
+    return np.zeros(count, np.int64), np.zeros((count, 2**D))
+
+
 def scratch_of(D: int) -> tuple[Any, ...]:
-    """Allocate what `move_facets` and `find_gaps` need."""
-    return np.zeros((3, 3)), np.zeros((2**D, 3)), np.zeros(3), pieces_of(D)
+    """Allocate what `move_facets` and `find_gaps` need; the last are pieces that they keep."""
+    return np.zeros((2**D, 4)), np.zeros(3), pieces_of(D), kept_of(D, 0)
 
 
 @inner_kernel
@@ -218,12 +223,33 @@ def spread_weights(D, cells, c, near, pieces):
     number, hats = pieces[0], pieces[1]
     count = _find_pieces(D, cells, c, near.place, near.edges, pieces)
     number[count] = c
+    set_offset(D, near, hats[count])
+    return count + 1
+
+
+@inner_kernel
+def set_offset(D, near, hats):
+    """Set what a facet's offset adds to the weights of the cell with its centroid."""
     for corner in range(1 << D):
         w = 0.0
         for d in range(D):
             w += near.offset[d] * _slope(D, near.place, corner, d)
-        hats[count, corner] = w
-    return count + 1
+        hats[corner] = w
+
+
+@inner_kernel
+def keep_pieces(D, near, used, pieces, count, kept):
+    """Keep the pieces of a facet, if there is room from `used` on; the number of those kept."""
+    numbers, hats = kept
+    near.piece, near.pieces = used, 0
+    if used + count > len(numbers):
+        return used
+    near.pieces = count
+    for n in range(count):
+        numbers[used + n] = pieces[0][n]
+        for corner in range(1 << D):
+            hats[used + n, corner] = pieces[1][n, corner]
+    return used + count
 
 
 @inner_kernel

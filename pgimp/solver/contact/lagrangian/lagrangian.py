@@ -17,7 +17,11 @@ from pgimp.kernels.contact.lagrangian.broad_phase import grow_boxes
 from pgimp.kernels.contact.lagrangian.coupling import Coupling, find_coupling, number_rows
 from pgimp.kernels.contact.lagrangian.gauss_seidel import IMPULSES, solve_impulses
 from pgimp.kernels.contact.lagrangian.pairs import ContactPairs, find_contact_pairs
-from pgimp.kernels.contact.lagrangian.reference_grid import Changes, change_velocities
+from pgimp.kernels.contact.lagrangian.reference_grid import (
+    Changes,
+    ReferenceVertices,
+    change_velocities,
+)
 from pgimp.kernels.contact.lagrangian.reference_numbers import WIDE
 from pgimp.kernels.contact.lagrangian.rows import Solved, begin_solution, find_changes
 from pgimp.kernels.contact.lagrangian.vertices import ContactVertices, sum_at_contact_vertices
@@ -227,16 +231,21 @@ class LagrangianContact(NoContact):
     def _solve(self, joint: Joint, free: Holding, ledger: Ledger) -> Changes:
         """Solve for the impulses of pairs, and book them."""
         call, mirrors = self.call, self._selector.mirrors
-        pairs, coupling, (keys, values) = joint
-        vertices, solved = flat(values), Solved.empty(len(values), coupling)
+        pairs, coupling, known = joint
+        vertices, solved = flat(known.values), Solved.empty(len(known.values), coupling)
         call(begin_solution, free.frame, vertices, coupling, solved)
         self._sweep(free, pairs, coupling, solved)
         self._warm_start.keep(pairs, self._dt)
-        changes = Changes(keys, *np.empty((2, len(keys), 3)))
-        call(find_changes, vertices, solved, changes)
+        changes = self._changes(known, solved)
         if coupling.beyond.size:  # rows of surfaces are of vertices that there are
             call(book_mirrored, pairs, coupling, mirrors, ledger)
         self._book(free, pairs, coupling, solved, vertices, ledger)
+        return changes
+
+    def _changes(self, known: ReferenceVertices, solved: Solved) -> Changes:
+        """What the impulses have changed."""
+        changes = Changes(known.keys, *np.empty((2, len(known.keys), 3)))
+        self.call(find_changes, flat(known.values), solved, changes)
         return changes
 
     def _sweep(

@@ -21,7 +21,7 @@ from pgimp.solver.contact.lagrangian.bonds import interactions
 from pgimp.solver.contact.lagrangian.broad_phase import BroadPhase
 from pgimp.solver.contact.lagrangian.joint import Joint, join, merged
 from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact
-from pgimp.solver.contact.surfaces.contact import SurfaceContact
+from pgimp.solver.contact.surfaces.contact import Room, SurfaceContact
 from pgimp.solver.contact.surfaces.material import NearMaterial
 from pgimp.solver.contact.surfaces.table import Table
 from pgimp.solver.rank_state import RankState
@@ -38,6 +38,7 @@ class MixedContact(SurfaceContact):
         self._broad_phase = BroadPhase(scene, comm, self._own_pairs, self._walls)
         self._at_vertices = self._contact._replace(pairs=self._own_pairs)
         self._material: NearMaterial | None = None
+        self._beside = Room()
         self._proximity.alone = True  # bodies in the current configuration may join all groups
 
     def moved(self) -> None:
@@ -88,8 +89,10 @@ class MixedContact(SurfaceContact):
         if needed(material.near.any):
             met = material.meet(rank, rigid, self._holding(update))
             if met is not None:
-                step = t.dt, met.speed
-                found.append(self._pairs(met.surface, met.cells, met.every, met.vertices, step))
+                step = t.dt, met.speed + self._rate * min(self.scene.domain.frame.cell)
+                found.append(
+                    self._pairs(met.surface, met.cells, met.every, met.vertices, step, self._beside)
+                )
         found.append(self._between(rank, update))
         own = [joint for joint in found if joint is not None]
         self._act(rank, update, merged(own, len(self._selector.mirrors)) if own else None)

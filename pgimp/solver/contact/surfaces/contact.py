@@ -11,27 +11,26 @@ from functools import partial
 import numpy as np
 
 from pgimp.jit.rehearsal import needed
+from pgimp.kernels.contact.data import Contact
 from pgimp.kernels.contact.lagrangian.books import book_held
 from pgimp.kernels.contact.lagrangian.coupling import Coupling
-from pgimp.kernels.contact.lagrangian.gauss_seidel import IMPULSES
 from pgimp.kernels.contact.lagrangian.pairs import ContactPairs
 from pgimp.kernels.contact.lagrangian.reference_grid import (
     REFERENCE_VERTEX,
     Changes,
     ReferenceVertices,
     change_velocities,
-    read_reference_vertices,
 )
 from pgimp.kernels.contact.lagrangian.rows import Solved
 from pgimp.kernels.contact.surfaces.data import Surface, SurfaceCells, no_facets
 from pgimp.kernels.contact.surfaces.gaps import find_gaps
-from pgimp.kernels.contact.surfaces.groups import book_groups, solve_groups
+from pgimp.kernels.contact.surfaces.groups import PREPARED, book_groups, find_changed, solve_groups
+from pgimp.kernels.contact.surfaces.levels import SOON, TOUCHES
 from pgimp.kernels.contact.surfaces.loads import add_loads
-from pgimp.kernels.contact.surfaces.motion import move_facets
+from pgimp.kernels.contact.surfaces.motion import move_facets, read_vertices
 from pgimp.kernels.contact.surfaces.rows import PARTS, find_patch_pairs
 from pgimp.kernels.contact.surfaces.soft import LEAST_AREA, apply_impulses, soften
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
-from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
@@ -50,7 +49,7 @@ from pgimp.solver.contact.surfaces.groups import (
 from pgimp.solver.contact.surfaces.kept_forces import KeptForces
 from pgimp.solver.contact.surfaces.loads import SurfaceLoads
 from pgimp.solver.contact.surfaces.overrun import OverrunWatch
-from pgimp.solver.contact.surfaces.proximity import Proximity, U
+from pgimp.solver.contact.surfaces.proximity import Proximity
 from pgimp.solver.contact.surfaces.rebounds import rebounds_of
 from pgimp.solver.contact.surfaces.seams import changes_of_images
 from pgimp.solver.contact.surfaces.table import Table, bits_of, table_of
@@ -76,7 +75,7 @@ class SurfaceContact(LagrangianContact):
         self._table: Table | None = None
         self._slaves: object = None
         self._acts = np.zeros((0, 0), np.uint8)
-        self._rate, self._room = 0.0, (ContactPairs.empty(0), _rows(0, 0))
+        self._rate, self._room = 0.0, Room()
         cell = scene.domain.frame.cell
         self._sizes = LEAST_AREA * min(cell) ** (len(cell) - 1), PARTS * min(cell)
         #: SurfaceLoads or None: Loads on facets, where the case asks for frames of surfaces.
@@ -85,7 +84,8 @@ class SurfaceContact(LagrangianContact):
         rigid_bodies = scene.interaction.rigid_bodies
         self._watch = OverrunWatch(scene, [*scene.body_names, *rigid_bodies.names])
         self._warm_start: KeptForces = KeptForces(comm)
-        self._books = np.empty(0, np.int64), Ledger.empty(0, 0, 0)
+        self._books: tuple[np.ndarray, Ledger] | None = None
+        self._by_group: Grouped | None = None
         if not self.free:
             self._accuracy = SWEEPS, TOLERANCE
         self._rebounds = rebounds_of(scene)
@@ -125,6 +125,11 @@ class SurfaceContact(LagrangianContact):
     def proximity(self) -> Proximity:
         """What is near."""
         return self._proximity
+
+    @property
+    def laws(self) -> Contact:
+        """Laws and rigid bodies, for kernels."""
+        return self._contact
 
     @property
     def acts(self) -> np.ndarray:
@@ -202,31 +207,45 @@ class SurfaceContact(LagrangianContact):
     def _joint(self, rank: RankState, update: VertexUpdate, table: Table) -> Joint:
         """The pairs of surfaces in the rank's groups; collective."""
         call, grid, share, proximity = self.call, rank.grid, self._proximity.share, self._proximity
-        frame, rigid, surface = self.scene.domain.frame, self.rigid_bodies, table.surface
-        cells, every, scratch = share.cells, proximity.candidates, proximity.scratch
-        values = np.empty(len(share.records), REFERENCE_VERTEX)
-        call(read_reference_vertices, self._holding(update), grid.field, share.sent, values)
-        speed = greatest(self.comm, float(np.abs(values["velocity"]).max(initial=0.0)))
-        u = np.ascontiguousarray(grid.kept.values.reshape(-1, RECORD)[share.records, U])
+        frame, surface, cells, every = (
+            self.scene.domain.frame, table.surface, share.cells, proximity.candidates
+        )  # fmt: skip
+        values, u = (
+            np.empty(len(share.records), REFERENCE_VERTEX),
+            np.empty((len(share.records), 4)),
+        )
+        speed = call(
+            read_vertices, self._holding(update), grid.field, share.sent, share.records, values, u
+        )
+        speed = greatest(self.comm, speed)
         u, values = share.gather(self.comm, u), share.gather(self.comm, values)
-        call(move_facets, frame, rigid, surface, cells, u, share.moving, scratch)
+        call(
+            move_facets, frame, self.rigid_bodies, surface, cells, u,
+            proximity.moved_facets(self.rigid_bodies), proximity.scratch,
+        )  # fmt: skip
         least, dt = min(frame.cell), update.t.dt
-        far = proximity.far, proximity.walks((speed / least + self._rate) * dt)
-        call(find_gaps, frame, rigid, self._walls, surface, (cells, u), scratch, far, every)
-        vertices = ReferenceVertices(share.keys, values)
-        return self._pairs(surface, cells, every, vertices, (dt, speed))
+        step = dt, speed + self._rate * least
+        travel = step[1] * dt + TOUCHES / SOON * least
+        walks = proximity.walks((speed / least + self._rate) * dt)
+        call(
+            find_gaps, frame, self._contact, self._walls, surface, (cells, u), proximity.scratch,
+            (proximity.far, walks, travel), every,
+        )  # fmt: skip
+        return self._pairs(
+            surface, cells, every, ReferenceVertices(share.keys, values), step, self._room
+        )
 
     def _act(self, rank: RankState, update: VertexUpdate, joint: Joint | None) -> None:
         """Solve for the impulses of the rank's pairs, and apply them; collective."""
         scene, call, grid, (_, _, forcing, ledger) = self.scene, self.call, rank.grid, update
         frame, holding = scene.domain.frame, self._holding(update)
-        self._books = np.empty(0, np.int64), books_of(ledger, 0)
+        self._books = None
         changes = Changes(np.empty(0, np.int64), *np.empty((2, 0, 3)))
         if joint is not None and needed(len(joint.pairs.ends)):
             changes = self._solve(joint, nothing_held(holding), ledger)
         else:
             self._warm_start.clear()
-        add_books(self.comm, self._proximity.root, *self._books, ledger)
+        add_books(self.comm, self._proximity.root, self._books, ledger)
         answers = self.rigid_bodies.responses["trial_impulse"] if self.free else np.empty(0)
         changes = share_changes(self.comm, changes, answers)
         if not needed(len(changes.keys)):
@@ -243,8 +262,8 @@ class SurfaceContact(LagrangianContact):
     ) -> None:
         """See `LagrangianContact._sweep`; rigid bodies rebound."""
         sweep = partial(self._sweep_groups, free, pairs, coupling, solved)
+        self._by_group = grouped = Grouped.of(pairs, self._proximity.groups)
         if self._rebounds:
-            grouped = Grouped.of(pairs, self._proximity.groups)
             states = solved.velocity, solved.held_impulse
             self._rebounds.solve(self.rigid_bodies, pairs, grouped, states, sweep)
         else:
@@ -265,12 +284,12 @@ class SurfaceContact(LagrangianContact):
         sizes = self._dt, *self._sizes
         call(soften, contact, kept, pairs, compliant, softened, sizes, scratch)
         self._warm_start.begin(contact, pairs, compliant, softened, self._dt)
-        grouped = Grouped.of(pairs, self._proximity.groups)
+        assert self._by_group is not None
+        order, first, *_ = self._by_group
         self.sweeps = call(
-            solve_groups, contact, free, (grouped.pairs, grouped.first), compliant, softened,
-            np.empty((2, count, IMPULSES)), self._accuracy,
+            solve_groups, contact, free, (pairs, order, first), compliant, softened,
+            (np.empty((2, count, 4)), np.empty((count, PREPARED))), self._accuracy,
         )  # fmt: skip
-        grouped.copy_to(pairs)
         call(apply_impulses, pairs, coupling, solved)
 
     def _book(
@@ -278,9 +297,11 @@ class SurfaceContact(LagrangianContact):
         vertices: np.ndarray, ledger: Ledger,
     ) -> None:  # fmt: skip
         """See `LagrangianContact._book`; of each group alone."""
-        grouped = Grouped.of(pairs, self._proximity.groups)
+        grouped = self._by_group
+        assert grouped is not None
         self._books = grouped.number, books_of(ledger, len(grouped.number))
-        of = self._contact, free, (grouped.pairs, grouped.first), coupling, solved, vertices
+        own = grouped.chosen(pairs), grouped.first
+        of = self._contact, free, own, coupling, solved, vertices
         self.call(book_groups, *of, self._walls, self._books[1])
         if self.loads:
             assert self._table is not None
@@ -289,46 +310,60 @@ class SurfaceContact(LagrangianContact):
                 self._table.surface, self._every, (self._dt, *self.loads.arrays),
             )  # fmt: skip
 
+    def _changes(self, vertices: ReferenceVertices, solved: Solved) -> Changes:
+        """See `LagrangianContact._changes`; of the vertices where there is any."""
+        keys, values = vertices
+        changes = Changes(np.empty(len(keys), np.int64), *np.empty((2, len(keys), 3)))
+        found = self.call(find_changed, keys, flat(values), solved, changes)
+        return Changes(changes.keys[:found], changes.velocities[:found], changes.held[:found])
+
     def _pairs(
         self, surface: Surface, cells: SurfaceCells, every: np.ndarray,
-        reference: ReferenceVertices, step: tuple[float, float],
+        reference: ReferenceVertices, step: tuple[float, float], room: Room,
     ) -> Joint:  # fmt: skip
-        """The pairs of patches and other bodies, with their rows of B.
+        """The pairs of patches and other bodies, with their rows of B, in `room`.
 
-        `step` has its length, and the greatest speed of a vertex.
+        `step` has its length, and the greatest speed of a vertex or a rigid body.
         """
-        call, frame, (dt, speed) = self.call, self.scene.domain.frame, step
-        keys, values = reference
-        fastest = speed + self._rate * min(frame.cell)
+        call, frame, (keys, values) = self.call, self.scene.domain.frame, reference
         seen, sums = np.empty((2, len(keys)), np.int64), np.empty(2 ** len(frame.cell))
-        vertices, counts = (flat(values), seen, sums, self._proximity.scratch[-1]), [0, 0]
-        if len(self._room[0].ends) < len(every):
-            self._room = ContactPairs.empty(len(every)), _rows(len(every), 8 * len(every))
-        (pairs, coupling), self._every = self._room, every
-
-        def fill(coupling: Coupling) -> int:
-            counts[0], counts[1], used = call(
-                find_patch_pairs, self._contact, frame, surface, cells, every, (dt, fastest),
-                vertices, (pairs, coupling),
+        scratch = flat(values), seen, sums, *self._proximity.scratch[-2:]
+        self._every, used = every, room.entries + 1
+        while used > room.entries:
+            room.grow(len(every), used if used > room.entries + 1 else 0)
+            found, rows, used = call(
+                find_patch_pairs, self._contact, frame, surface, cells, every, step, scratch,
+                (room.pairs, room.coupling),
             )  # fmt: skip
-            return int(used)
+        return Joint(*room.filled(found, rows, used), reference)
 
-        used = fill(coupling)
-        if used > len(coupling.column):
-            coupling = _rows(len(pairs.ends), used + used // 4)
-            self._room = pairs, coupling
-            fill(coupling)
-        found, rows = counts
-        coupling = Coupling(
-            coupling.start[: rows + 1].copy(), coupling.column[:used].copy(),
-            coupling.entry[:used].copy(), coupling.answer[:rows].copy(), coupling.beyond[:rows],
+
+class Room:
+    """Room for pairs and their rows, which grows."""
+
+    def __init__(self) -> None:
+        self.pairs, self.entries = ContactPairs.empty(0), 0
+        self._make(0, 0)
+
+    def _make(self, pairs: int, entries: int) -> None:
+        """Allocate for the rows of so many pairs, with so many entries."""
+        self.entries, rows = entries, 2 * pairs
+        self.coupling = Coupling(
+            np.zeros(rows + 1, np.int64), np.empty(entries, np.int64), np.empty((entries, 1)),
+            np.empty((rows, 3)), np.zeros((rows, 0, 3)),
         )  # fmt: skip
-        return Joint(ContactPairs(*(part[:found].copy() for part in pairs)), coupling, reference)
 
+    def grow(self, pairs: int, entries: int) -> None:
+        """Have room for at least so many pairs and entries."""
+        if pairs > len(self.pairs.ends):
+            self.pairs = ContactPairs.empty(pairs + pairs // 4)
+            self._make(len(self.pairs.ends), max(self.entries, 8 * pairs))
+        if entries > self.entries:
+            self._make(len(self.pairs.ends), entries + entries // 4)
 
-def _rows(pairs: int, entries: int) -> Coupling:
-    """Room for the rows of so many pairs, with so many entries."""
-    return Coupling(
-        np.zeros(2 * pairs + 1, np.int64), np.empty(entries, np.int64), np.empty((entries, 1)),
-        np.empty((2 * pairs, 3)), np.zeros((2 * pairs, 0, 3)),
-    )  # fmt: skip
+    def filled(self, pairs: int, rows: int, entries: int) -> tuple[ContactPairs, Coupling]:
+        """What is filled, without a copy."""
+        start, column, entry, answer, beyond = self.coupling
+        return ContactPairs(*(part[:pairs] for part in self.pairs)), Coupling(
+            start[: rows + 1], column[:entries], entry[:entries], answer[:rows], beyond[:rows]
+        )

@@ -15,6 +15,7 @@ from pgimp.kernels.contact.lagrangian.reference_grid import (
     read_reference_vertices,
 )
 from pgimp.kernels.contact.surfaces.data import Surface, SurfaceCells, no_facets
+from pgimp.kernels.contact.surfaces.levels import NEAR
 from pgimp.kernels.contact.surfaces.material import (
     STEP,
     SUMS,
@@ -28,7 +29,6 @@ from pgimp.kernels.contact.surfaces.material import (
     sum_material,
 )
 from pgimp.kernels.contact.surfaces.motion import move_facets
-from pgimp.kernels.contact.surfaces.rows import NEAR
 from pgimp.kernels.contact.surfaces.search import keys_of_vertices
 from pgimp.kernels.data.motion import KEPT_VELOCITY
 from pgimp.kernels.data.record import RECORD

@@ -18,7 +18,7 @@ from pgimp.kernels.contact.surfaces.search import (
     find_meeting,
     mark_between,
 )
-from pgimp.kernels.contact.surfaces.spread import scratch_of
+from pgimp.kernels.contact.surfaces.spread import kept_of, scratch_of
 from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_VELOCITY
 from pgimp.kernels.data.record import RECORD
 from pgimp.mpi.communicator import Communicator
@@ -33,10 +33,16 @@ from pgimp.solver.rank_state import RankState
 #: Cells by which each body may move until the next search, and the most steps until then.
 TRAVEL, LONGEST = 0.25, 16
 
+#: Pieces of facets that are kept within a step, for each candidate.
+PIECES = 3
+
 #: Cells of travel within which the facets next to others stay so.
 WALK = 0.002
 
 U = slice(DISPLACEMENT, DISPLACEMENT + 3)
+
+#: With a number that means nothing, for kernels.
+U4 = slice(DISPLACEMENT, DISPLACEMENT + 4)
 
 #: What a checkpoint has of each candidate, and its parts: displacements, facets, moving ones,
 #: these. Before them there are three numbers and the parts' lengths.
@@ -68,9 +74,12 @@ class Share(NamedTuple):
     sent: np.ndarray
     counts: np.ndarray  #: (2, ranks) int64: How many of these each rank needs, and it has of each.
     place: np.ndarray  #: (v,) int64: Numbers of those that it gets.
+    same: bool  #: Whether these are its own, in their order.
 
     def gather(self, comm: Communicator, values: np.ndarray) -> np.ndarray:
         """What all ranks have at the share's vertices, given that of `sent`; collective."""
+        if self.same:
+            return values
         arrived = values if comm.size == 1 else swap(comm, values, *self.counts)
         found = np.zeros((len(self.keys), *values.shape[1:]), values.dtype)
         found[self.place] = arrived
@@ -126,6 +135,8 @@ class Proximity:
         self.met = np.empty((0, 2), np.int64)
         self._pause, self._moved, self._walked = 0, 0.0, 2.0 * WALK
         self._records = np.empty(0, np.int64)
+        self._poses: bytes | None = None
+        self._soft = 0  # facets of the share that are not rigid
         self._window: object = None
         self._before = np.empty((0, 3))  # displacements of all surface vertices at the last search
         self._restored = np.empty(0)
@@ -275,6 +286,18 @@ class Proximity:
         self._divide(table, found)
         return True
 
+    def moved_facets(self, rigid: Any) -> np.ndarray:
+        """The share's facets that have moved since this was last asked: all but resting rigid ones.
+
+        Those of rigid bodies come last.
+        """
+        moving = self.share.moving
+        if not len(rigid):
+            return moving
+        poses = rigid.motion["centre"].tobytes() + rigid.motion["rotation"].tobytes()
+        rests, self._poses = poses == self._poses, poses
+        return moving[: self._soft] if rests and not needed(0) else moving
+
     def walks(self, travel: float) -> bool:
         """Whether facets next to others are to be found anew, given a step's travel in cells."""
         self._walked += travel
@@ -315,11 +338,17 @@ class Proximity:
         marks, cells = self._vertices(table, self._moving[rank == here])
         number = np.cumsum(marks) - 1
         mapped = cells._replace(corners=number[cells.corners], column=number[cells.column])
+        place, keys = number[np.concatenate(get)], table.keys[marks]
+        same = self.comm.size == 1 and np.array_equal(place, np.arange(len(keys)))
         self.share = Share(
-            self._moving[rank == here], mapped, table.keys[marks], self._records[own],
-            table.keys[own], np.array([parts[here][1], [len(each) for each in get]]),
-            number[np.concatenate(get)],
+            self._moving[rank == here], mapped, keys, self._records[own], table.keys[own],
+            np.array([parts[here][1], [len(each) for each in get]]), place, same,
         )  # fmt: skip
+        self._poses = None
+        self._soft = int((surface.cell[self.share.moving] >= 0).sum())
+        if len(self.scratch[-1][0]) < PIECES * len(mine):
+            kept = kept_of(self.scene.dimension, PIECES * len(mine) * 5 // 4)
+            self.scratch = (*self.scratch[:-1], kept)
 
     def _boxes(self, rank: RankState, table: Table, rigid: Any) -> tuple[np.ndarray, np.ndarray]:
         """Least and greatest coordinates of the clusters; collective."""
@@ -394,9 +423,9 @@ class Proximity:
         return marks, cells
 
     def displacements(self, rank: RankState, near: Near) -> np.ndarray | None:
-        """Displacements of the near vertices, (v, 3), on the root; collective."""
+        """Displacements of the near vertices, (v, 4), on the root; collective."""
         values = rank.grid.kept.values.reshape(-1, RECORD)
-        return self.on_root(near, np.ascontiguousarray(values[near.records, U]))
+        return self.on_root(near, np.ascontiguousarray(values[near.records, U4]))
 
     def on_root(self, near: Near, values: np.ndarray) -> np.ndarray | None:
         """What all ranks have at their near vertices, on the root; collective."""

@@ -99,6 +99,7 @@ class Sheets:
             now=np.full_like(table.surface.now, np.inf), turned=table.surface.turned.copy()
         )
         rigid, scratch = _placed(rank, contact.rigid_bodies, time), proximity.scratch
+        u, laws = np.pad(u, ((0, 0), (0, 1))), contact.laws._replace(rigid_bodies=rigid)
         call(move_facets, frame, rigid, surface, table.cells, u, moving, scratch)
         reach, acts = (proximity.reach, frame.cell[0]), np.ascontiguousarray(contact.acts.T)
         key_of, strides = bins_of(surface.now[moving], reach[0], rank.scene.dimension)
@@ -111,8 +112,8 @@ class Sheets:
             lambda room: call(find_meeting, surface, acts, moving, bins, reach, marks, best, room),
         )
         for every in (candidates.copy(), others[:number]):
-            call(find_gaps, frame, rigid, proximity.walls, surface, (table.cells, u), scratch,
-                 (proximity.far, True), every)  # fmt: skip
+            call(find_gaps, frame, laws, proximity.walls, surface, (table.cells, u), scratch,
+                 (proximity.far, True, -1.0), every)  # fmt: skip
             some = every[np.isfinite(every["gap"])]
             np.fmin.at(found, some["facet"], some["gap"])
             if every is not others:  # of a body that meets itself one side looks for the other
