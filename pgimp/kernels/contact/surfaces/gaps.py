@@ -256,22 +256,22 @@ def find_gaps(frame, contact, walls, surface, moved, scratch, far, every):
         The cells, and the displacements of the surface vertices.
     scratch
         As of `move_facets`.
-    far : (float, bool, float)
+    far : (float, bool, (bodies,) float64)
         Greatest distance: farther away the cell's displacements, extrapolated, may fold. Whether
-        the facets next to others may have changed since they were found. The way of the fastest
-        vertex in a step, see `law_of`; below 0 every gap is looked for.
+        the facets next to others may have changed since they were found. The ways of the fastest
+        vertices in a step, see `law_of`; below 0 every gap is looked for.
     every : (n,) NEAR_FACET
         The facets, by patch and body; `other` is where the search for the one next to them begins.
     """
-    D, (cells, u), (farthest, walks, travel) = len(frame.cell), moved, far
+    D, (cells, u), (farthest, walks, travels) = len(frame.cell), moved, far
     cell, first, last, c, used = frame.cell[0], 0, 0, -1, 0
     for d in range(D):
         cell = min(cell, frame.cell[d])
     while first < len(every):
         last = end_of_patch(surface, every, first)
         body, s = every[first].body, every[first].facet
-        law, least = law_of(contact.pairs, surface.body[s], body, cell, travel), inf
-        looks = law[2] if travel >= 0.0 else inf
+        law, least = law_of(contact.pairs, surface.body[s], body, cell, travels), inf
+        looks = law[2] if travels[0] >= 0.0 else inf
         if body >= walls.first:
             _find_wall_gaps(frame, walls, surface, every, first, last)
             first = last

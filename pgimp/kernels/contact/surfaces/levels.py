@@ -43,20 +43,26 @@ def end_of_patch(surface, every, first):
 
 
 @inner_kernel
-def law_of(pairs, a, b, cell, travel):
-    """Entry of the law of two bodies, 0 without one, whether b comes first, and how near they act.
-
-    `cell` is the least side of a cell, `travel` the way of the fastest vertex in a step, with
-    `TOUCHES`.
-    """
+def entry_of(pairs, a, b):
+    """Entry of the law of two bodies, 0 without one, and whether b comes first."""
     entry, swapped = pairs.entry[min(a, b), max(a, b)], a > b
-    if entry < 0:
-        entry, swapped = -entry, not swapped
+    return (entry, swapped) if entry >= 0 else (-entry, not swapped)
+
+
+@inner_kernel
+def law_of(pairs, a, b, cell, travels):
+    """As `entry_of`, and the gap from which on two bodies do not act on each other.
+
+    `cell` is the least side of a cell, `travels` are the ways of the bodies' fastest vertices in a
+    step.
+    """
+    entry, swapped = entry_of(pairs, a, b)
     if entry == 0:
         return entry, swapped, 0.0
     near = NEAR * cell
     if pairs.kind[entry - 1] != TIED:
-        near = max(min(near, SOON * travel), pairs.adhesion[entry - 1, 2])
+        soon = SOON * max(travels[a], travels[b]) + TOUCHES * cell
+        near = max(min(near, soon), pairs.adhesion[entry - 1, 2])
     return entry, swapped, near
 
 

@@ -16,7 +16,7 @@ from pgimp.kernels.contact.books import losses_of
 from pgimp.kernels.contact.data import impulse_of
 from pgimp.kernels.contact.lagrangian.gauss_seidel import load_pair
 from pgimp.kernels.contact.surfaces.data import turns
-from pgimp.kernels.contact.surfaces.levels import end_of_patch, law_of
+from pgimp.kernels.contact.surfaces.levels import end_of_patch, entry_of
 from pgimp.kernels.contact.surfaces.pressed import pressing
 
 #: Columns of the loads: impulse; its part along normals, positive in compression; the way that the
@@ -213,9 +213,7 @@ def add_loads(contact, contact_pairs, coupling, solved, frame, surface, every, s
             across += (v[d] - u[d]) * row.normal[d]
         for d in range(3):
             square += (v[d] - u[d] - across * row.normal[d]) ** 2
-        _, swapped, _ = law_of(
-            contact.pairs, surface.body[every[first].facet], every[first].body, cell, 0.0
-        )
+        _, swapped = entry_of(contact.pairs, surface.body[every[first].facet], every[first].body)
         sign, place = 1.0 if swapped else -1.0, contact_pairs.rigid[k, 2]
         tangents = _tangents(row.normal)
         for n in range(first, last):

@@ -16,6 +16,9 @@ APART = 2.0
 #: Weight of the distance along a facet, so that one of several in a plane is next to a point.
 _ALONG = 1e-6
 
+#: Part of a disc's radius by which a gap may be less than the distance from its plane.
+_OFF = 0.25
+
 #: Beside a disc by more than its radius times the root of 2: least part of the square that is from
 #: the rim on.
 _BEYOND = 0.0857
@@ -104,4 +107,4 @@ def approach(D, surface, near, cell, walks, farthest):
     most = farthest * farthest + reluctance(same, cell)
     if same > MEETS or square_between(D, surface, s, cell, f, inf) > most:
         return inf
-    return along - surface.radius[f]
+    return along - _OFF * surface.radius[f]

@@ -22,8 +22,6 @@ from pgimp.kernels.contact.surfaces.held import release_across
 from pgimp.kernels.contact.surfaces.levels import (
     FADES,
     NEAR,
-    SOON,
-    TOUCHES,
     end_of_patch,
     find_sides,
     law_of,
@@ -186,8 +184,8 @@ def find_patch_pairs(
         Laws and rigid bodies.
     every : (n,) NEAR_FACET
         Facets with their gaps, by patch and other body. Sides and weights are set here.
-    step : (float, float)
-        Length of the step, and greatest speed of a vertex or of a rigid body.
+    step : (float, (bodies,) float64)
+        Length of the step, and the ways of the fastest vertices in it, see `law_of`.
     scratch : ((m, NUMBERS) float64, (2, m) int64, (2^D,) float64, pieces, kept)
         The records of `ReferenceVertices`, and scratch; the last two as of `scratch_of`.
     found : (ContactPairs, Coupling)
@@ -198,19 +196,18 @@ def find_patch_pairs(
     tuple of 3 int
         Numbers of pairs, rows and entries.
     """
-    D, (numbers, seen, sums, _, _), (dt, fastest) = len(frame.cell), scratch, step
+    D, (numbers, seen, sums, _, _), (dt, travels) = len(frame.cell), scratch, step
     contact_pairs, coupling = found
     cell = frame.cell[0]
     for d in range(D):
         cell = min(cell, frame.cell[d])
-    travel = fastest * dt + TOUCHES / SOON * cell
     seen[0, :] = -1
     sums[:] = 0.0
     pairs, rows, used, first, start = 0, 0, 0, 0, coupling.start
     start[0] = 0
     while first < len(every):
         s, last = every[first].facet, end_of_patch(surface, every, first)
-        law = law_of(contact.pairs, surface.body[s], every[first].body, cell, travel)
+        law = law_of(contact.pairs, surface.body[s], every[first].body, cell, travels)
         sides, side = 0, -1
         if law[0] > 0:
             sides = find_sides(surface, every, first, last, law[2])

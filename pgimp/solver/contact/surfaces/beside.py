@@ -89,7 +89,7 @@ class MixedContact(SurfaceContact):
         if needed(material.near.any):
             met = material.meet(rank, rigid, self._holding(update))
             if met is not None:
-                step = t.dt, met.speed + self._rate * min(self.scene.domain.frame.cell)
+                step = t.dt, self._travels(met.speed, t.dt)
                 found.append(
                     self._pairs(met.surface, met.cells, met.every, met.vertices, step, self._beside)
                 )

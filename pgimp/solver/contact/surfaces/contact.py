@@ -25,9 +25,8 @@ from pgimp.kernels.contact.lagrangian.rows import Solved
 from pgimp.kernels.contact.surfaces.data import Surface, SurfaceCells, no_facets
 from pgimp.kernels.contact.surfaces.gaps import find_gaps
 from pgimp.kernels.contact.surfaces.groups import PREPARED, book_groups, find_changed, solve_groups
-from pgimp.kernels.contact.surfaces.levels import SOON, TOUCHES
 from pgimp.kernels.contact.surfaces.loads import add_loads
-from pgimp.kernels.contact.surfaces.motion import move_facets, read_vertices
+from pgimp.kernels.contact.surfaces.motion import find_travels, move_facets, read_vertices
 from pgimp.kernels.contact.surfaces.rows import PARTS, find_patch_pairs
 from pgimp.kernels.contact.surfaces.soft import LEAST_AREA, apply_impulses, soften
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
@@ -224,16 +223,23 @@ class SurfaceContact(LagrangianContact):
             proximity.moved_facets(self.rigid_bodies), proximity.scratch,
         )  # fmt: skip
         least, dt = min(frame.cell), update.t.dt
-        step = dt, speed + self._rate * least
-        travel = step[1] * dt + TOUCHES / SOON * least
+        travels = self._travels(0.0, dt)
+        call(find_travels, values, share.of, dt, travels)
         walks = proximity.walks((speed / least + self._rate) * dt)
         call(
             find_gaps, frame, self._contact, self._walls, surface, (cells, u), proximity.scratch,
-            (proximity.far, walks, travel), every,
+            (proximity.far, walks, travels), every,
         )  # fmt: skip
+        step = dt, travels
         return self._pairs(
             surface, cells, every, ReferenceVertices(share.keys, values), step, self._room
         )
+
+    def _travels(self, speed: float, dt: float) -> np.ndarray:
+        """Ways of the fastest vertices of bodies, rigid bodies and walls in a step."""
+        found = np.full(self._walls.first + len(self._walls.planes), speed * dt)
+        found[self.bodies : self._walls.first] = self._rate * min(self.scene.domain.frame.cell) * dt
+        return found
 
     def _act(self, rank: RankState, update: VertexUpdate, joint: Joint | None) -> None:
         """Solve for the impulses of the rank's pairs, and apply them; collective."""
@@ -319,11 +325,11 @@ class SurfaceContact(LagrangianContact):
 
     def _pairs(
         self, surface: Surface, cells: SurfaceCells, every: np.ndarray,
-        reference: ReferenceVertices, step: tuple[float, float], room: Room,
+        reference: ReferenceVertices, step: tuple[float, np.ndarray], room: Room,
     ) -> Joint:  # fmt: skip
         """The pairs of patches and other bodies, with their rows of B, in `room`.
 
-        `step` has its length, and the greatest speed of a vertex or a rigid body.
+        `step` has its length, and the ways of the bodies' fastest vertices.
         """
         call, frame, (keys, values) = self.call, self.scene.domain.frame, reference
         seen, sums = np.empty((2, len(keys)), np.int64), np.empty(2 ** len(frame.cell))

@@ -41,7 +41,9 @@ def labels_of(scene: Scene, bonded: np.ndarray, walls: int) -> np.ndarray:
     return found
 
 
-def find_groups(labels: np.ndarray, bodies: np.ndarray, x: np.ndarray, ranks: int) -> Groups:
+def find_groups(
+    labels: np.ndarray, met: np.ndarray, of: np.ndarray, x: np.ndarray, ranks: int
+) -> Groups:
     """Find the groups of bodies, and share them out.
 
     Groups are in the order of their places along x, as slabs are. Ranks have parts of that order
@@ -51,8 +53,10 @@ def find_groups(labels: np.ndarray, bodies: np.ndarray, x: np.ndarray, ranks: in
     ----------
     labels : (bodies,) int64
         See `labels_of`.
-    bodies, x : (n, 2) int64, (n,) float64
-        Pairs of bodies that may meet, and where.
+    met : (m, 2) int64
+        Pairs of bodies that may meet.
+    of, x : (n,) int64, (n,) float64
+        Facets' pairs, and where they are.
     """
     root = list(range(1 + int(labels.max(initial=-1))))
 
@@ -62,12 +66,13 @@ def find_groups(labels: np.ndarray, bodies: np.ndarray, x: np.ndarray, ranks: in
             one = root[one]
         return one
 
-    for a, b in np.unique(labels[bodies], axis=0).tolist():
+    for a, b in labels[met].tolist():
         if a >= 0 and b >= 0:
             one, other = sorted((first(a), first(b)))
             root[other] = one
     roots = np.array([first(one) for one in range(len(root))] + [-1])[labels]
-    known, number = np.unique(roots[bodies].max(axis=1), return_inverse=True)
+    known, number = np.unique(roots[met].max(axis=1), return_inverse=True)
+    number = number[of]
     size = np.bincount(number, minlength=len(known))
     order = np.lexsort((known, np.bincount(number, x, len(known)) / np.maximum(size, 1)))
     whole = np.cumsum(size[order])

@@ -94,7 +94,7 @@ class NearMaterial(Proximity):
         travel = max(fastest, self._speed(rank) / min(frame.cell), rate) * dt
         self._pause = int(max(1.0, min(LONGEST, TRAVEL / travel if travel > 0.0 else LONGEST))) - 1
         self._find_root(rank)
-        near = self._near_clusters(rank, table, *self._boxes(rank, table, rigid))
+        near = self._near_clusters(rank, table, *self.boxes(rank, table, rigid))
         surface = table.surface
         # Facets far from others are beyond reach in the surface that they look for.
         self._surface = surface._replace(now=surface.now.copy(), turned=surface.turned.copy())

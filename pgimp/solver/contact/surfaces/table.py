@@ -314,3 +314,13 @@ def bins_of(x: np.ndarray, side: float, D: int) -> tuple[np.ndarray, np.ndarray]
     key_of = bins @ strides
     strides[D:2] = 0  # neighbours along the last one have neighbouring keys
     return key_of, strides
+
+
+def sorted_bins(
+    x: np.ndarray, some: np.ndarray, side: float, D: int
+) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
+    """Some facets by bins, and these, see `find_meeting`; `x` are the centroids of all."""
+    x = x[some]
+    key_of, strides = bins_of(x, side, D)
+    order = np.argsort(key_of, kind="stable")
+    return some[order], (key_of[order], x[order], strides, np.empty((2, 9), np.int64))
