@@ -25,6 +25,7 @@ from pgimp.kernels.contact.lagrangian.rows import Solved
 from pgimp.kernels.contact.surfaces.data import Surface, SurfaceCells, no_facets
 from pgimp.kernels.contact.surfaces.gaps import find_gaps
 from pgimp.kernels.contact.surfaces.groups import PREPARED, book_groups, find_changed, solve_groups
+from pgimp.kernels.contact.surfaces.levels import TOUCHES
 from pgimp.kernels.contact.surfaces.loads import add_loads
 from pgimp.kernels.contact.surfaces.motion import find_travels, move_facets, read_vertices
 from pgimp.kernels.contact.surfaces.rows import PARTS, find_patch_pairs
@@ -35,9 +36,8 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.base import NoContact
 from pgimp.solver.contact.lagrangian.joint import Joint
-from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact, nothing_held
+from pgimp.solver.contact.lagrangian.lagrangian import ACCURACY, ImpulseContact, flat, nothing_held
 from pgimp.solver.contact.lagrangian.messages import greatest
-from pgimp.solver.contact.lagrangian.selected import flat
 from pgimp.solver.contact.surfaces.groups import (
     Grouped,
     add_books,
@@ -45,7 +45,6 @@ from pgimp.solver.contact.surfaces.groups import (
     labels_of,
     share_changes,
 )
-from pgimp.solver.contact.surfaces.kept_forces import KeptForces
 from pgimp.solver.contact.surfaces.loads import SurfaceLoads
 from pgimp.solver.contact.surfaces.overrun import OverrunWatch
 from pgimp.solver.contact.surfaces.proximity import Proximity
@@ -56,12 +55,8 @@ from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import VertexUpdate
 
-#: The most sweeps over all pairs in a step, and the relative change of impulses that ends them. To
-#: 1e-3 disks rebound the same to four digits, but what rests with friction slowly gains energy.
-SWEEPS, TOLERANCE = 200, 1e-6
 
-
-class SurfaceContact(LagrangianContact):
+class SurfaceContact(ImpulseContact):
     """Contact by surfaces: patches of one body, and the nearest facets of another.
 
     Each connected group of bodies has a rank that finds its gaps, and solves for its impulses, from
@@ -76,17 +71,15 @@ class SurfaceContact(LagrangianContact):
         self._acts = np.zeros((0, 0), np.uint8)
         self._rate, self._room = 0.0, Room()
         cell = scene.domain.frame.cell
-        self._sizes = LEAST_AREA * min(cell) ** (len(cell) - 1), PARTS * min(cell)
+        lengths = PARTS * min(cell), TOUCHES * min(cell)
+        self._sizes = LEAST_AREA * min(cell) ** (len(cell) - 1), *lengths
         #: SurfaceLoads or None: Loads on facets, where the case asks for frames of surfaces.
         self.loads = SurfaceLoads(comm) if scene.case.output.surface else None
         self._every = no_facets(0)
         rigid_bodies = scene.interaction.rigid_bodies
         self._watch = OverrunWatch(scene, [*scene.body_names, *rigid_bodies.names])
-        self._warm_start: KeptForces = KeptForces(comm)
         self._books: tuple[np.ndarray, Ledger] | None = None
         self._by_group: Grouped | None = None
-        if not self.free:
-            self._accuracy = SWEEPS, TOLERANCE
         self._rebounds = rebounds_of(scene)
         first = self._walls.first
         for number in scene.interaction.rigid_bodies.free:  # they meet walls as other bodies do
@@ -266,7 +259,7 @@ class SurfaceContact(LagrangianContact):
     def _sweep(
         self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved
     ) -> None:
-        """See `LagrangianContact._sweep`; rigid bodies rebound."""
+        """See `ImpulseContact._sweep`; rigid bodies rebound."""
         sweep = partial(self._sweep_groups, free, pairs, coupling, solved)
         self._by_group = grouped = Grouped.of(pairs, self._proximity.groups)
         if self._rebounds:
@@ -286,7 +279,10 @@ class SurfaceContact(LagrangianContact):
         compliant = coupling._replace(answer=coupling.answer.copy())
         softened = Solved(*(part.copy() for part in solved))
         softened = softened._replace(soft=np.zeros_like(coupling.answer))
-        scratch, kept = (np.zeros(solved.velocity.shape), np.zeros(count)), self._warm_start.kept
+        scratch, kept = (
+            (np.zeros(solved.velocity.shape), *np.zeros((2, count))),
+            self._warm_start.kept,
+        )
         sizes = self._dt, *self._sizes
         call(soften, contact, kept, pairs, compliant, softened, sizes, scratch)
         self._warm_start.begin(contact, pairs, compliant, softened, self._dt)
@@ -294,7 +290,7 @@ class SurfaceContact(LagrangianContact):
         order, first, *_ = self._by_group
         self.sweeps = call(
             solve_groups, contact, free, (pairs, order, first), compliant, softened,
-            (np.empty((2, count, 4)), np.empty((count, PREPARED))), self._accuracy,
+            (np.empty((2, count, 4)), np.empty((count, PREPARED))), ACCURACY,
         )  # fmt: skip
         call(apply_impulses, pairs, coupling, solved)
 
@@ -302,7 +298,7 @@ class SurfaceContact(LagrangianContact):
         self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved,
         vertices: np.ndarray, ledger: Ledger,
     ) -> None:  # fmt: skip
-        """See `LagrangianContact._book`; of each group alone."""
+        """See `ImpulseContact._book`; of each group alone."""
         grouped = self._by_group
         assert grouped is not None
         self._books = grouped.number, books_of(ledger, len(grouped.number))
@@ -317,7 +313,7 @@ class SurfaceContact(LagrangianContact):
             )  # fmt: skip
 
     def _changes(self, vertices: ReferenceVertices, solved: Solved) -> Changes:
-        """See `LagrangianContact._changes`; of the vertices where there is any."""
+        """See `ImpulseContact._changes`; of the vertices where there is any."""
         keys, values = vertices
         changes = Changes(np.empty(len(keys), np.int64), *np.empty((2, len(keys), 3)))
         found = self.call(find_changed, keys, flat(values), solved, changes)
@@ -354,10 +350,7 @@ class Room:
     def _make(self, pairs: int, entries: int) -> None:
         """Allocate for the rows of so many pairs, with so many entries."""
         self.entries, rows = entries, 2 * pairs
-        self.coupling = Coupling(
-            np.zeros(rows + 1, np.int64), np.empty(entries, np.int64), np.empty((entries, 1)),
-            np.empty((rows, 3)), np.zeros((rows, 0, 3)),
-        )  # fmt: skip
+        self.coupling = Coupling.empty(rows, entries)
 
     def grow(self, pairs: int, entries: int) -> None:
         """Have room for at least so many pairs and entries."""
@@ -369,7 +362,7 @@ class Room:
 
     def filled(self, pairs: int, rows: int, entries: int) -> tuple[ContactPairs, Coupling]:
         """What is filled, without a copy."""
-        start, column, entry, answer, beyond = self.coupling
+        start, column, entry, answer = self.coupling
         return ContactPairs(*(part[:pairs] for part in self.pairs)), Coupling(
-            start[: rows + 1], column[:entries], entry[:entries], answer[:rows], beyond[:rows]
+            start[: rows + 1], column[:entries], entry[:entries], answer[:rows]
         )
