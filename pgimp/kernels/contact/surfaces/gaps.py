@@ -136,7 +136,8 @@ def _find_gap(frame, rigid_bodies, surface, moved, scratch, near, used):
         near.gap = phi / length
         most = _BESIDE * least + max(_BESIDE_BEFORE * phi, -_BESIDE_BEHIND * phi)
         beside = _beyond(D, frame, cells, surface, c, near, f) - most
-        if attempt > 0 or not (close and beside > 0.0 and abs(near.gap) < FARTHEST * least):
+        last = attempt + 1 == _ATTEMPTS
+        if last or not (close and beside > 0.0 and abs(near.gap) < FARTHEST * least):
             break
         # Facets are no discs: the one that it is over may be beside the nearest one.
         least_beside = beside + most

@@ -49,7 +49,7 @@ def _prepare(contact, contact_pairs, k, coupling, solved, prepared):
         own[_SOFT + d] = own[_FIXED + d] = 0.0
         own[_IMPULSE + d] = row.tangential_impulse[d]
         for side in range(2):
-            if end.rows[side] >= 0:
+            if end.rows[side] >= 0 and len(solved.soft) > 0:
                 own[_SOFT + d] += solved.soft[end.rows[side], d]
             if not is_free(contact.rigid_bodies, end.rows[side]):
                 own[_FIXED + d] += (2.0 * side - 1.0) * rigid[side, d]
@@ -74,7 +74,7 @@ def _exchange(contact, dt, contact_pairs, k, coupling, solved, prepared):
     """Exchange the rest of the impulse that the law of pair `k` requires.
 
     As `pgimp.kernels.contact.law.exchange`. Returns the greatest change and impulse, see
-    `solve_impulses`.
+    `solve_groups`.
     """
     end, row, rigid = contact_pairs.ends[k], contact_pairs.states[k], contact_pairs.rigid[k]
     soft, fixed = load_row(prepared, k, _SOFT), load_row(prepared, k, _FIXED)
@@ -129,7 +129,10 @@ def _exchange(contact, dt, contact_pairs, k, coupling, solved, prepared):
 
 @inner_kernel
 def _go_on(contact, contact_pairs, group, coupling, solved, scratch, before):
-    """Go on along the last changes of the impulses of a group, as `conjugate_step`."""
+    """Go on along the last changes of the impulses of a group; returns their square.
+
+    `before` is that of the two sweeps before, below 0 without any.
+    """
     (order, a, b), (changes, prepared), square = group, scratch, 0.0
     start, direction = changes[0], changes[1]
     for n in range(a, b):
@@ -189,20 +192,31 @@ def _solve_group(contact, dt, contact_pairs, group, coupling, solved, scratch, a
 
 @kernel
 def solve_groups(contact, free, pairs, coupling, solved, scratch, accuracy):
-    """Solve for the impulses of each group, as `solve_impulses` does for all.
+    """Exchange impulses in the pairs of each group until the law holds for all of them.
+
+    Patches side by side have some vertices in common, and sweeps alone converge slowly. After two
+    of them, forwards and backwards, the impulses go on along their last changes, as in the method
+    of conjugate gradients: Silcowitz, Niebe and Erleben, A nonsmooth nonlinear conjugate gradient
+    method for interactive contact force problems, Visual Comput. 26, 893-901 (2010).
 
     Parameters
     ----------
-    contact, coupling, solved
-        See `solve_impulses`.
+    contact : Contact
+        Laws and scratch.
     free : Holding
-        With the step.
+        With the step. Held components have zero inverse mass.
     pairs : (ContactPairs, (pairs,) int64, (groups + 1,) int64)
         The pairs; their offsets by group, and the first of each in that order.
+    coupling : Coupling
+        The response to impulses.
+    solved : Solved
+        The reference vertices; their velocities are changed here.
     scratch : ((2, pairs, 4) float64, (pairs, PREPARED) float64)
         Scratch.
     accuracy : (int, float)
-        Sweeps, at most, and the tolerance.
+        Sweeps, at most, alternately forwards and backwards; and the greatest change of an impulse
+        in a sweep that ends them, relative to the greatest impulse. Both are times the root of the
+        pair's inverse mass, so that energies are compared.
 
     Returns
     -------

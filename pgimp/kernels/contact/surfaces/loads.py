@@ -176,7 +176,7 @@ def add_loads(contact, contact_pairs, coupling, solved, frame, surface, every, s
     Parameters
     ----------
     contact, contact_pairs, coupling, solved
-        See `pgimp.kernels.contact.lagrangian.gauss_seidel.solve_impulses`, with the impulses.
+        See `pgimp.kernels.contact.surfaces.groups.solve_groups`, with the impulses.
     surface : Surface
         The facets, where they are.
     every : (n,) NEAR_FACET

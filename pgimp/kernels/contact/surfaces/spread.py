@@ -136,6 +136,22 @@ def _set_segment(place, edges, ways, part):
 
 
 @inner_kernel
+def _meets(D, place, edges, d):
+    """Bits of where a parallelogram reaches along `d`: below a cell, in it, above it."""
+    if d >= D:
+        return 2
+    reach, found = abs(edges[0, d]) + abs(edges[1, d]), 0
+    low, high = place[d] - reach, place[d] + reach
+    if low < -_REACHES:
+        found |= 1
+    if low < 1.0 and high > 0.0:
+        found |= 2
+    if high > 1.0 + _REACHES:
+        found |= 4
+    return found
+
+
+@inner_kernel
 def _find_pieces(D, cells, c, place, edges, pieces):
     """Find the pieces of a parallelogram in a cell and in those beside it; how many there are.
 
@@ -160,22 +176,16 @@ def _find_pieces(D, cells, c, place, edges, pieces):
         set_means(D, place, edges, hats[0])
         return 1
     whole = 4.0 * sqrt(whole)
-    for way in range(3**D):
-        rest, cell, meets = way, c, True
-        for d in range(D):
-            reach, there = abs(edges[0, d]) + abs(edges[1, d]), rest % 3
-            ways[d] = there - 1.0
-            rest //= 3
-            if there == 1:
-                meets = meets and place[d] - reach <= 1.0 and place[d] + reach >= 0.0
-                continue
-            if there == 0:
-                meets = meets and place[d] - reach < -_REACHES
-            else:
-                meets = meets and place[d] + reach > 1.0 + _REACHES
-            cell = cells.beside[cell, 2 * d + there // 2] if cell >= 0 else -1
-        if not meets:
+    x, y, z = _meets(D, place, edges, 0), _meets(D, place, edges, 1), _meets(D, place, edges, 2)
+    for way in range(27):
+        there = way % 3, way // 3 % 3, way // 9
+        if not (x >> there[0] & 1 and y >> there[1] & 1 and z >> there[2] & 1):
             continue
+        cell = c
+        for d in range(D):
+            ways[d] = there[d] - 1.0
+            if there[d] != 1:
+                cell = cells.beside[cell, 2 * d + there[d] // 2] if cell >= 0 else -1
         own = hats[found]
         if D == 2:
             share = _set_segment(place, edges, ways, scratch[0])

@@ -24,7 +24,7 @@ from pgimp.kernels.contact.lagrangian.reference_grid import (
 from pgimp.kernels.contact.lagrangian.rows import Solved
 from pgimp.kernels.contact.surfaces.data import Surface, SurfaceCells, no_facets
 from pgimp.kernels.contact.surfaces.gaps import find_gaps
-from pgimp.kernels.contact.surfaces.groups import PREPARED, book_groups, find_changed, solve_groups
+from pgimp.kernels.contact.surfaces.groups import book_groups
 from pgimp.kernels.contact.surfaces.levels import TOUCHES
 from pgimp.kernels.contact.surfaces.loads import add_loads
 from pgimp.kernels.contact.surfaces.motion import find_travels, move_facets, read_vertices
@@ -36,7 +36,7 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.base import NoContact
 from pgimp.solver.contact.lagrangian.joint import Joint
-from pgimp.solver.contact.lagrangian.lagrangian import ACCURACY, ImpulseContact, flat, nothing_held
+from pgimp.solver.contact.lagrangian.lagrangian import ImpulseContact, flat, nothing_held
 from pgimp.solver.contact.lagrangian.messages import greatest
 from pgimp.solver.contact.surfaces.groups import (
     Grouped,
@@ -279,19 +279,14 @@ class SurfaceContact(ImpulseContact):
         compliant = coupling._replace(answer=coupling.answer.copy())
         softened = Solved(*(part.copy() for part in solved))
         softened = softened._replace(soft=np.zeros_like(coupling.answer))
-        scratch, kept = (
-            (np.zeros(solved.velocity.shape), *np.zeros((2, count))),
-            self._warm_start.kept,
-        )
+        kept, sums = self._warm_start.kept, np.zeros(solved.velocity.shape)
+        scratch = (sums, *np.zeros((2, count)))
         sizes = self._dt, *self._sizes
         call(soften, contact, kept, pairs, compliant, softened, sizes, scratch)
         self._warm_start.begin(contact, pairs, compliant, softened, self._dt)
         assert self._by_group is not None
         order, first, *_ = self._by_group
-        self.sweeps = call(
-            solve_groups, contact, free, (pairs, order, first), compliant, softened,
-            (np.empty((2, count, 4)), np.empty((count, PREPARED))), ACCURACY,
-        )  # fmt: skip
+        self._solve_groups(free, (pairs, order, first), compliant, softened)
         call(apply_impulses, pairs, coupling, solved)
 
     def _book(
@@ -311,13 +306,6 @@ class SurfaceContact(ImpulseContact):
                 add_loads, self._contact, pairs, coupling, solved, self.scene.domain.frame,
                 self._table.surface, self._every, (self._dt, *self.loads.arrays),
             )  # fmt: skip
-
-    def _changes(self, vertices: ReferenceVertices, solved: Solved) -> Changes:
-        """See `ImpulseContact._changes`; of the vertices where there is any."""
-        keys, values = vertices
-        changes = Changes(np.empty(len(keys), np.int64), *np.empty((2, len(keys), 3)))
-        found = self.call(find_changed, keys, flat(values), solved, changes)
-        return Changes(changes.keys[:found], changes.velocities[:found], changes.held[:found])
 
     def _pairs(
         self, surface: Surface, cells: SurfaceCells, every: np.ndarray,
