@@ -144,7 +144,7 @@ def _meets(D, place, edges, d):
     low, high = place[d] - reach, place[d] + reach
     if low < -_REACHES:
         found |= 1
-    if low < 1.0 and high > 0.0:
+    if low <= 1.0 and high >= 0.0:
         found |= 2
     if high > 1.0 + _REACHES:
         found |= 4
