@@ -66,7 +66,7 @@ class ImpulseContact(NoContact):
         )
         self.free = FreeBodies(scene, comm) if scene.interaction.rigid_bodies.free else None
         self._warm_start = KeptForces(comm)
-        self._dt, self.sweeps = 0.0, 0
+        self._dt, self.sweeps, self._accuracy = 0.0, 0, ACCURACY
 
     @property
     def rigid_bodies(self) -> Any:
@@ -144,7 +144,7 @@ class ImpulseContact(NoContact):
         count = len(pairs[0].ends)
         scratch = np.empty((2, count, 4)), np.empty((count, PREPARED))
         self.sweeps = self.call(
-            solve_groups, self._contact, free, pairs, coupling, solved, scratch, ACCURACY
+            solve_groups, self._contact, free, pairs, coupling, solved, scratch, self._accuracy
         )
 
     def _book(

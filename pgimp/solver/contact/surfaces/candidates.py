@@ -106,7 +106,7 @@ def find_candidates(
     periods, marks, there = scene.domain.periods, np.zeros(len(surface.x), np.uint8), surface
     own = which = np.empty(0, np.int64)
     if periods.any():
-        own = table.facets(np.unique(meeting.pairs[:, 0]))
+        own = table.facets(np.unique(meeting.pairs))
         there, which = with_images(surface, own, frame.origin, periods, most)
         some = np.arange(len(which))
     else:
