@@ -4,6 +4,7 @@ import json
 
 import pytest
 from scenes import box, scene
+from schema_checker import Checker
 from two_blocks import CASE
 
 import pgimp
@@ -16,6 +17,7 @@ from pgimp.case.reader import read_case
 from pgimp.case.writer import dump_case
 from pgimp.errors import CaseError
 from pgimp.schema.pages import TITLES
+from pgimp.utilities.reference.jsonschema import json_schema
 
 WATER = {"model": "newtonian", "bulk": 6.0e5, "density": 1000.0, "shear-viscosity": 1.0e-3}
 STEEL = {"model": "von-mises", "young": 2.0e11, "poisson": 0.3, "density": 7800.0,
@@ -194,3 +196,15 @@ def test_choices_are_those_of_the_data_alone():
     data = bare(3, box([2.0] * 3, [5.0] * 3))
     one, other = pgimp.load(data), pgimp.load(json.loads(json.dumps(data)))
     assert one == other and lines(one) == lines(other)
+
+
+def test_editors_know_what_may_be_left_out():
+    """By the JSON schema; and what is still refused."""
+    sees = Checker(json_schema())
+    for method in ("auto", {"affine": True}, {"shape": "cpdi"}, {"shape": "gimp", "affine": True}):
+        data = bare(2, block(), contact="bonded") | {"method": method}
+        assert sees(data), method
+        pgimp.load(data)
+    assert sees(bare(2, block()))
+    assert not sees(bare(2, block(), contact="glued"))
+    assert not sees(bare(2, block()) | {"method": {"shape": "tent"}})
