@@ -5,8 +5,6 @@ import pytest
 from scenes import finish, scene, start
 from tiers import wide
 
-from pgimp.solver.contact.surfaces import contact
-
 pytestmark = pytest.mark.slow(60)
 
 EXACT = {"configuration": "initial", "surface": "exact"}
@@ -37,15 +35,15 @@ def model(D, whole, soft, friction=0.0):
     [(2, False, 0.0), (2, True, 0.0), (2, True, 0.3), *(wide(3, *case) for case in
      ((False, 0.0), (True, 0.0), (True, 0.3)))],
 )  # fmt: skip
-def test_a_half_moves_as_that_of_the_whole(D, soft, friction, monkeypatch):
+def test_a_half_moves_as_that_of_the_whole(D, soft, friction):
     """Nothing has a surface in a plane of symmetry, and patches beside it are as free as before.
 
     Patches, masters of slaves and compliance are images of each other: to rounding.
     """
-    monkeypatch.setattr(contact, "ACCURACY", (20000, 1e-13))
     found, lines = [], []
     for whole in (True, False):
         sim = start(model(D, whole, soft, friction))
+        sim.rank.contact._accuracy = 20000, 1e-13
         p, rows = finish(sim).particles, sim.live()
         begun, x = p.origin[rows].copy(), p.x[rows].copy()
         if whole:
