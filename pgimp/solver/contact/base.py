@@ -50,19 +50,15 @@ class NoContact:
     def __init__(self, scene: Scene, comm: Communicator) -> None:
         self.scene, self.comm = scene, comm
 
-    def require_known(self, done: Step) -> None:
-        """Refuse to go on where bodies come to rigid ones that are not known there; collective.
-
-        Raises
-        ------
-        EndlessError
-            On every rank.
-        """
-
     @property
     def rigid_bodies(self) -> Any:
         """The rigid bodies for kernels, as they are in this step; () without any."""
         return ()
+
+    @property
+    def volumes(self) -> tuple[np.ndarray, ...]:
+        """Sums of volumes at vertices that are shared, and their used rows; () without any."""
+        return (self.data.volumes, self.data.used) if self.data else ()
 
     def assign_fields(self, rank: RankState) -> None:
         """Assign velocity fields to bodies: a common one to bodies that cannot touch soon."""

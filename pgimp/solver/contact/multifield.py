@@ -256,8 +256,8 @@ class MultifieldContact(NoContact):
 
     def _near(self, grid: Grid, population: Population, planes: np.ndarray) -> Order:
         """Find the particles that may have weight on contact vertices, in some of the planes."""
-        order, shared = population.ordered, grid.vertices - 1
-        ranges, extent = self.data.vertex_ranges[planes], grid.window.extent
+        order, extent = population.ordered, grid.window.extent
+        ranges = self.data.vertex_ranges[planes]
         if any(self.scene.domain.periodic):  # also particles at the other side of a seam are near
             return order
         y, z = (ranges["high"].max(axis=0) - ranges["low"].min(axis=0) + 1).tolist()
@@ -265,9 +265,17 @@ class MultifieldContact(NoContact):
             return order
         if len(self._rows) < len(order.rows):
             self._rows = np.empty(len(order.rows) * 9 // 8, np.int32)
-        start = np.empty_like(order.start)
-        self.call(
-            select_near, self.scene.domain.frame, grid.window, population.up_to_date(), order,
-            self.data.vertex_ranges, shared, self._rows, start,
-        )  # fmt: skip
-        return Order(self._rows[: start[-1]], start)
+        return near_vertices(self.call, grid, population, order, self.data, self._rows)
+
+
+def near_vertices(
+    call: Bound, grid: Grid, population: Population, order: Order, contact: Contact,
+    rows: np.ndarray,
+) -> Order:  # fmt: skip
+    """Particles of an order that may have weight on contact vertices, in `rows`, (n,) int32."""
+    start = np.empty_like(order.start)
+    call(
+        select_near, grid.frame, grid.window, population.up_to_date(), order,
+        contact.vertex_ranges, grid.vertices - 1, rows, start,
+    )  # fmt: skip
+    return Order(rows[: start[-1]], start)
