@@ -86,12 +86,12 @@ def others():
 
 
 def long():
-    """A block over 100,000 steps."""
+    """Noise of a block after 100,000 steps."""
     rows = [
-        [name, *(f"{scenes.rest(method, V):.0e}" for V in (0.0, 0.01))]
-        for name, method in BOTH.items()
+        [name, *(_n(scenes.shaken(method, V), 2) for V in (0.0, 0.01))]
+        for name, method in METHODS.items()
     ]
-    print(table(["motion after 1e5 steps, over c", "at rest", "moves at 0.01 c"], rows))
+    print(table(["noise left after 1e5 steps", "at rest", "moves at 0.01 c"], rows))
 
 
 def steps():
