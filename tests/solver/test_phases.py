@@ -158,3 +158,11 @@ def test_other_scenes_pay_nothing():
     """Without the key there is no part, and kernels are given nothing of it."""
     sim = bar("last")
     assert sim.rank.phases is None and parts_of(sim.rank) == []
+
+
+def test_chosen_steps_are_longer():
+    """`courant: auto` takes nine tenths of the largest stable Courant number; affine keeps its."""
+    case = scene(2, box([2.0, 2.0], [4.0, 4.0]), step={"courant": "auto"})
+    for more, courant in (({}, 0.855), ({"affine": True}, 0.63)):
+        case["method"] |= {"stress": "average"} | more
+        assert start(case).scene.case.courant == pytest.approx(courant)

@@ -10,8 +10,8 @@ StressOrder = Literal["last", "last-mapped", "average"]
 #: the new velocities of particles, mapped to the vertices again.
 STRAIN_BEFORE: dict[str, float] = {"last-mapped": 0.0, "average": 0.5}
 
-#: Courant number up to which free bodies, at rest or in motion, were stable with `average` in 1D, 2D
-#: and 3D, whatever the particles per cell and without `affine` (``scripts/phases steps``).
+#: Courant number up to which free bodies, at rest and in motion, are stable with `average`: in 1D,
+#: 2D and 3D, for all numbers of particles, without `affine` (``scripts/phases steps``).
 STABLE_AVERAGE = 0.95
 
 STRESS: Any = Field(

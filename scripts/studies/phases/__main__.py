@@ -1,8 +1,8 @@
 """Measures orders of phases against each other, with their cost; see scripts/phases."""
 
 import numpy as np
-from studies.harness import options_of, origin, table
 from studies.hard.courant import limits, moving_limit
+from studies.harness import options_of, origin, table
 from studies.method.bodies import SHAPES
 from studies.phases import bodies, scenes
 from studies.scenes import by_turns, case_of, filled

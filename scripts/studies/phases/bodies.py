@@ -39,7 +39,7 @@ def watched(sim, look, times=400):
 
 
 def wave(method, velocity=0.0, periods=100, courant=0.3):
-    """A free bar of ten cells in its second mode, a wave of ten cells: parts of energy and of amplitude that are left."""
+    """A free bar that is a wave of ten cells: parts of its energy and amplitude that are left."""
     low = 1.3
     room = np.ceil(abs(velocity) * periods * CELLS) + CELLS + 4.0
     sim = core(case_of(

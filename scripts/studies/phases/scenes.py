@@ -76,7 +76,7 @@ def shaken(method, velocity, steps=100_000):
     body = {"material": "m", "region": box(low, [low[0] + 6.0, low[1] + 6.0])}
     sim = core(case_of(room, 1.0, SOLID, {"b": body}, dt * steps, method=method))
     v = 1e-6 * np.random.default_rng(1).standard_normal((sim.rank.count, 2))
-    throw(sim, v + [velocity, 0.0], np.zeros((len(v), 2, 2)))
+    throw(sim, v + np.array([velocity, 0.0]), np.zeros((len(v), 2, 2)))
 
     def look(sim):
         p, rows = sim.particles, sim.live()
