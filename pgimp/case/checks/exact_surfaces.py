@@ -42,9 +42,8 @@ def meets(case: Any) -> bool:
     """Whether bodies of a `Case` may meet by surfaces: each other, rigid bodies or walls."""
     walls = any(entry.approaches for entry in case.boundaries.values())
     current = any(body.configuration == "current" for body in case.bodies.values())
-    return bool(case.contact or case.rigid_bodies or walls or current) and meet_by_surfaces(
-        case.bodies, case.method, case.geometry, case.boundaries
-    )
+    some = case.contact or case.rigid_bodies or walls or current
+    return bool(some) and meet_by_surfaces(case.bodies)
 
 
 def cuts(region: Region, grid: Grid, per_cell: tuple[int, ...]) -> bool:
@@ -78,7 +77,7 @@ def fallback(case: Any) -> str:
     if not cut or any(may_be_exact(bodies, method)):
         return ""
     why = f"{method.name} is wider than cells"
-    if current and method.in_cell:
+    if current:
         why = f"'{current[0]}' is in the current one, and another body is whole or from a file"
     return (
         f"cut particles of '{cut[0]}', in the initial configuration, have weights of whole ones, "
