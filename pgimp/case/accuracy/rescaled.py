@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from math import ceil
+from collections.abc import Sequence
+from math import ceil, prod
 from typing import Any
 
 from pgimp.case.load import load
@@ -12,6 +13,8 @@ from pgimp.geometry.regions import Points
 
 #: Lines that a companion run writes for each of the case, between which values are interpolated.
 DENSER = 4
+#: Cells along a periodic direction below which it keeps what it has.
+_PERIODIC = 4
 #: Relative excess over a whole number of steps that is rounding.
 _ROUNDING = 1e-9
 
@@ -56,12 +59,11 @@ def companion(case: Case, factor: float) -> Case:
     return _load(data)
 
 
-def ratio_of(case: Case, of: Case) -> float:
-    """Return the cells of a case over those of another one, as a mean over the directions."""
-    found = 1.0
-    for cell, other in zip(case.grid.cell, of.grid.cell, strict=True):
-        found *= cell / other
-    return float(found ** (1.0 / case.dimensions))
+def ratio_of(cell: Sequence[float], of: Sequence[float]) -> float:
+    """Return the size of cells over that of others, a mean over the directions that differ."""
+    found = [one / other for one, other in zip(cell, of, strict=True)]
+    found = [ratio for ratio in found if abs(ratio - 1.0) > 1e-9]
+    return float(prod(found) ** (1.0 / len(found))) if found else 1.0
 
 
 def _load(data: dict[str, Any]) -> Case:
@@ -80,7 +82,10 @@ def _rescaled(case: Case, factor: float) -> dict[str, Any]:
                 "cells: there are no companion runs of such a case (--error, accuracy)"
             )
     grid = case.grid
-    cells = [max(1, round(n / factor)) for n in grid.cells]
+    periodic = [case.boundaries.get(f"{axis}-min") for axis in "xyz"[: case.dimensions]]
+    fewest = [min(n, _PERIODIC) if face is not None and face.joins else 1
+              for n, face in zip(grid.cells, periodic, strict=True)]  # fmt: skip
+    cells = [max(least, round(n / factor)) for n, least in zip(grid.cells, fewest, strict=True)]
     data = case.model_dump(by_alias=True)
     data["grid"]["cell"] = [size / n for size, n in zip(grid.size, cells, strict=True)]
     shortest = min(data["grid"]["cell"]) / min(grid.cell)
