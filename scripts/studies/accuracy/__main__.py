@@ -6,7 +6,7 @@ from time import process_time
 
 import numpy as np
 from studies.accuracy.problems import problems
-from studies.harness import options_of, origin, table
+from studies.harness import Table, options_of, origin, out, put, write_csv
 
 import pgimp
 from pgimp.case.accuracy.entry import Accuracy
@@ -21,51 +21,57 @@ ROUNDING = 1e-9
 
 
 def measured(case, changes, quantities):
-    """Quantity, value, exact value and estimated error of each quantity, order; seconds."""
-    began = process_time()
+    """Quantity, exact and found value, true and estimated error, and order, of each quantity."""
     with TemporaryDirectory() as folder:
-        run = pgimp.run(
-            case, Serial(), Path(folder) / "run", overrides=changes, error=True, quiet=True
-        )
-        known, found = Companions(run.path), []
+        path = Path(folder) / "run"
+        run = pgimp.run(case, Serial(), path, overrides=changes, error=True, quiet=True)
+        known = Companions(run.path)
         for of, at, exact in quantities:
             entry = Accuracy(of=of, at=at, within=1.0)
             others = [(ratio, quantity.curve(entry, path)) for ratio, path in known.runs]
             one = quantity.found(entry, quantity.curve(entry, run.path), others)
-            found.append((entry.label, one.value, exact, one.error, one.order))
-    return found, process_time() - began
+            # The greatest size may come with either sign.
+            true = abs(abs(one.value) - abs(exact)) if at == "max" else abs(one.value - exact)
+            good = true <= max(TIMES * one.error, ROUNDING * abs(exact))
+            yield {"quantity": entry.label, "exact": exact, "found": one.value, "true": true,
+                   "estimated": one.error, "order": one.order, "good": bool(good)}  # fmt: skip
+
+
+def percent(values):
+    """The range of some parts, in per cent."""
+    least, most = (f"{100.0 * value:.2g}" for value in (min(values), max(values)))
+    return f"{least} %" if least == most else f"{least} to {most} %"
 
 
 def main():
-    """Print the table."""
-    options = options_of("accuracy", words={"nargs": "*", "help": "only problems with these words"})
-    rows, ratios = [], []
+    """Print the table, and write it."""
+    options = options_of(
+        "accuracy", docs="also write the page",
+        words={"nargs": "*", "help": "only problems with one of these words"},
+    )  # fmt: skip
+    records, rows = [], Table("problem", "quantities", "true errors", "estimated", "within")
+    print("\n".join(rows.lines))
     for name, case, changes, quantities in problems():
         if options.words and not any(word in name for word in options.words):
             continue
-        found, seconds = measured(case, changes, quantities)
-        for label, value, exact, error, order in found:
-            true = abs(abs(value) - abs(exact)) if "@max" in label else abs(value - exact)
-            size = abs(exact) or 1.0
-            good = true <= TIMES * error or true <= ROUNDING * size
-            ratio = true / error if error else 0.0 if true <= ROUNDING * size else np.inf
-            ratios.append((good, ratio))
-            rows.append(
-                (name, f"`{label}`", f"{exact:.6g}", f"{100.0 * true / size:.2g} %",
-                 f"{100.0 * error / size:.2g} %", f"{ratio:.2g}", "" if good else "more",
-                 "" if order is None else f"{order:.2f}")
-            )  # fmt: skip
-            print(*rows[-1], f"{seconds:.1f} s", flush=True)
-    print(
-        table(
-            ("problem", "quantity", "exact", "true error", "estimated", "ratio", "", "order"), rows
-        )
+        began = process_time()
+        found = list(measured(case, changes, quantities))
+        records += [{"problem": name, "seconds": process_time() - began} | one for one in found]
+        size = [abs(one["exact"]) or 1.0 for one in found]
+        true, guess = ([one[key] / scale for one, scale in zip(found, size, strict=True)]
+                       for key in ("true", "estimated"))  # fmt: skip
+        good = sum(one["good"] for one in found)
+        rows.add(name, len(found), percent(true), percent(guess), f"{good} of {len(found)}")
+    good = sum(one["good"] for one in records)
+    ratio = np.median([one["estimated"] / one["true"] for one in records if one["true"]])
+    note = (
+        f"{good} of {len(records)} true errors ({100.0 * good / len(records):.0f} %) are within "
+        f"twice the estimate, which is {ratio:.2g} times the true error in the median.\n\n"
+        f"Measured on {origin()}."
     )
-    good = sum(one for one, _ in ratios)
-    print(
-        f"{good} of {len(ratios)} within {TIMES:g} times the estimate ({good / len(ratios):.0%}); "
-        f"median ratio {np.median([r for _, r in ratios]):.2g}. {origin()}"
-    )
+    print(f"\n{note}")
+    write_csv(records, out("accuracy") / "errors.csv")
+    put({"estimated-errors": rows.text(note)}, page=options.docs)
 
 
 if __name__ == "__main__":

@@ -16,11 +16,6 @@ OFTEN = {"every": {"steps": 5}}
 STEEL = 7800.0 * sqrt(200.0e9 / 7800.0)  # impedance of the bars of Hopkinson
 
 
-def ways(*changes):
-    """Changes of a problem's case, each a mapping by key path."""
-    return changes or ({},)
-
-
 def bar(cell, configuration="current", shape="gimp"):
     """A bar that hangs, and whose weight sets in at once."""
     body = {"bar": {"material": "rubber", **filled([0.0], [L]), "configuration": configuration}}
@@ -158,12 +153,8 @@ _BORE = 3.22215e-4
 def shipped(name, quantities, *variants, **more):
     """Variants of a case of cases/, by the cells of each."""
     for cell in variants:
-        yield (
-            f"{name}, cells {cell[0]:g}",
-            CASES / f"{name}.yaml",
-            {"grid.cell": cell} | more,
-            quantities,
-        )
+        changes = {"grid.cell": cell} | more
+        yield f"{name}.yaml, cells {cell[0]:g}", CASES / f"{name}.yaml", changes, quantities
 
 
 def problems():
@@ -175,33 +166,31 @@ def problems():
     yield "hanging bar, cpdi", bar(0.04, shape="cpdi"), {}, HANGING
     for cell, way in ((0.05, "current"), (0.025, "current"), (0.05, "initial")):
         yield f"bars that meet, cells {cell}, {way}", struck(cell, way), {}, STRUCK
-    for cell, method in ((0.125, {}), (0.0625, {}), (0.0625, {"configuration": "initial"})):
-        yield f"column, cells {cell}, {method or 'gimp'}", column(cell, **method), {}, COLUMN
+    for cell, way in ((0.125, "current"), (0.0625, "current"), (0.0625, "initial")):
+        case = column(cell, configuration=way)
+        yield f"column of ground, cells {cell}, {way}", case, {}, COLUMN
     yield "falling block", flying(0.1), {}, FALLING
-    for method in ({}, {"affine": True}, {"configuration": "initial"}):
+    turning = {"gimp": {}, "affine": {"affine": True}, "initial": {"configuration": "initial"}}
+    for way, method in turning.items():
         spun = (
             ("angular-momentum-z", "end", 8.0 * _INERTIA),
             ("kinetic-energy", "end", 0.5 * _INERTIA * 64.0),
         )
-        yield f"turning block, {method or 'gimp'}", flying(0.1, 8.0, **dict(method)), {}, spun
-    yield (
-        "Couette",
-        couette(0.0125),
-        {},
-        (
-            ("reaction.y-max-x", {"mean": [0.4, 0.5]}, 24.76136 * 0.1 / 0.1 * 0.05),
-            ("probe.middle.velocity-x", "end", 0.05),
-        ),
+        yield f"turning block, {way}", flying(0.1, 8.0, **method), {}, spun
+    dragged = (
+        ("reaction.y-max-x", {"mean": [0.4, 0.5]}, 24.76136 * 0.1 / 0.1 * 0.05),
+        ("probe.middle.velocity-x", "end", 0.05),
     )
+    yield "Couette's flow", couette(0.0125), {}, dragged
     for cell in (0.0125, 0.00625):
-        yield f"Poiseuille, cells {cell}", CASES / "poiseuille.yaml", {
-            "grid.cell": [cell, cell], "grid.size": [0.05, 0.1],
-                "bodies.oil.region.box.max": [0.05, 0.1],
-                "probes.middle": {"place": [0.025, 0.05]},
-        }, (
-            ("probe.middle.velocity-x", "end", _MIDDLE),
-            ("momentum-x", "end", 5.0 * _MEAN),
-        )  # fmt: skip
+        wide = {
+            "grid.cell": [cell, cell],
+            "grid.size": [0.05, 0.1],
+            "bodies.oil.region.box.max": [0.05, 0.1],
+            "probes.middle": {"place": [0.025, 0.05]},
+        }
+        flow = (("probe.middle.velocity-x", "end", _MIDDLE), ("momentum-x", "end", 5.0 * _MEAN))
+        yield f"poiseuille.yaml, cells {cell}", CASES / "poiseuille.yaml", wide, flow
     shock = (
         ("reaction.x-min-x", {"mean": [0.02, 0.05]}, 20000.0),
         ("momentum-x", 0.04, -200.0),
