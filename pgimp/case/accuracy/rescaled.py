@@ -81,14 +81,9 @@ def _rescaled(case: Case, factor: float) -> dict[str, Any]:
                 f"bodies.{name}: its particles come from a file, and stay what they are on other "
                 "cells: there are no companion runs of such a case (--error, accuracy)"
             )
-    grid = case.grid
-    periodic = [case.boundaries.get(f"{axis}-min") for axis in "xyz"[: case.dimensions]]
-    fewest = [min(n, _PERIODIC) if face is not None and face.joins else 1
-              for n, face in zip(grid.cells, periodic, strict=True)]  # fmt: skip
-    cells = [max(least, round(n / factor)) for n, least in zip(grid.cells, fewest, strict=True)]
     data = case.model_dump(by_alias=True)
-    data["grid"]["cell"] = [size / n for size, n in zip(grid.size, cells, strict=True)]
-    shortest = min(data["grid"]["cell"]) / min(grid.cell)
+    data["grid"] |= _grid(case, factor)
+    shortest = min(data["grid"]["cell"]) / min(case.grid.cell)
     before = 0.0
     for number, stage in enumerate(case.stages):
         entry = data["time"]["stages"][number - 1] if number else data["time"]
@@ -107,3 +102,33 @@ def _rescaled(case: Case, factor: float) -> dict[str, Any]:
             if isinstance(every := entry.get("every"), dict):
                 entry["every"] = {"steps": max(1, round(every["steps"] / shortest))}
     return data
+
+
+def _grid(case: Case, factor: float) -> dict[str, Any]:
+    """Origin, size and cells of the grid.
+
+    Where whole cells do not fill the domain it grows beyond an open face, by less than a cell;
+    without any the cells become a little longer or shorter.
+    """
+    grid = case.grid
+    origin, sizes, cells = list(grid.origin), list(grid.size), list(grid.cell)
+    for axis, (n, name) in enumerate(zip(grid.cells, "xyz", strict=False)):
+        faces = [f"{name}-{side}" for side in ("min", "max")]
+        low = case.boundaries.get(faces[0])
+        fewest = min(n, _PERIODIC) if low is not None and low.joins else 1
+        wanted = n / factor
+        number = max(fewest, round(wanted))
+        kept = [
+            any(face in one.escape or one.boundaries.get(face) is not None for one in case.stages)
+            or (case.axisymmetric and face == "x-min")
+            for face in faces
+        ]
+        if abs(number - wanted) > _ROUNDING * n and not all(kept):
+            number = ceil(wanted)
+            cells[axis] = factor * grid.cell[axis]
+            sizes[axis] = number * cells[axis]
+            if kept[1]:
+                origin[axis] -= sizes[axis] - grid.size[axis]
+        else:
+            cells[axis] = grid.size[axis] / number
+    return {"origin": origin, "size": sizes, "cell": cells}

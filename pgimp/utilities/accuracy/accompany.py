@@ -91,7 +91,11 @@ def begin(
         try:
             ended = run(one.case, None, comm, one.path, How(resume=True), quiet, stop)
         except RunError as error:
-            text = f"the companion run in {one.path} failed: {error}"
+            text = (
+                f"the companion run in {one.path} failed: {error}\n"
+                "The run itself has not begun. Smaller cells (grid.cell) may help; without --error, "
+                "or `accuracy`, there are no companions"
+            )
             if fresh:
                 directory.record_failure("failed", 0, 0.0, text)
             raise type(error)(text) from error

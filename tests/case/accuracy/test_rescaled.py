@@ -50,6 +50,24 @@ def test_a_periodic_direction_of_few_cells_keeps_them():
     assert found.grid.cells == (3, 4)
 
 
+def test_a_domain_grows_beyond_open_faces_to_whole_cells():
+    """So that surfaces on lines of the grid stay on them; elsewhere cells change a little."""
+    data = flying() | {"boundaries": {"x-min": "fixed", "y-max": "slip"}}
+    data["grid"] = {"origin": [0.0, 1.0], "size": [13.0, 5.0], "cell": [1.0, 1.0]}
+    for body in data["bodies"].values():
+        body["region"]["box"]["min"][1] = 2.0
+    found = rescaled(load(data), 2.0).grid
+    assert (found.cell, found.size, found.origin) == ((2.0, 2.0), (14.0, 6.0), (0.0, 0.0))
+    data["time"]["stages"] = [{"name": "shut", "end": 3.0, "boundaries": {"x-max": "slip"}}]
+    found = rescaled(load(data | {"escape": {"y-min": "remove"}}), 2.0).grid
+    assert found.size == (13.0, 5.0) and found.cells == (6, 2)
+    rings = data | {"geometry": "axisymmetric", "boundaries": {"x-max": "slip", "y-min": "slip"}}
+    rings["time"] = {"end": 2.0, "step": 0.01}
+    del rings["bodies"]["a"]["velocity"]
+    found = rescaled(load(rings), 2.0).grid
+    assert found.origin[0] == 0.0 and found.size == (13.0, 6.0)
+
+
 def test_particles_of_a_file_are_refused(tmp_path):
     (tmp_path / "p.csv").write_text("x,y,volume\n1.25,1.25,0.25\n1.75,1.25,0.25\n")
     data = flying()

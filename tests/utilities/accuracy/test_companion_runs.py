@@ -10,6 +10,7 @@ from two_blocks import CASE
 
 import pgimp
 from pgimp.case.reader import read_case
+from pgimp.cli import main
 from pgimp.errors import CaseError, UsageError
 from pgimp.mpi.comm import Serial
 from pgimp.utilities.accuracy.companions import companions, levels_of, notes
@@ -163,3 +164,65 @@ def test_cells_are_chosen_for_an_accuracy_and_a_run_goes_on_with_them(start, fol
     with pytest.raises(UsageError, match=r"accuracy\.of: unknown column 'heap'"):
         start("unknown", coarse | {"accuracy": entry | {"of": "heap"}})
     assert not (folder / "unknown" / "coarse").exists()
+
+
+def test_the_command_on_three_ranks_stopped_by_a_forecast(done, folder, mpirun, python):
+    """What it says, its statuses, and bits and errors as on one rank."""
+    changes = [f"--set={key}={value}" for key, value in FINE.items() if value is not None]
+    changes += ["--set=output.every=null", "--set=probes={corner: {body: left, at: [4.0, 4.0]}}"]
+    words = ["-m", "pgimp", "blocks.yaml", "-o", "three", *changes]
+    job = mpirun(3, [*words, "--forecast"], cwd=folder)
+    assert job.returncode == 0, job.stdout + job.stderr
+    assert "the run itself, on cells of 0.5: about" in job.stdout and "on 3 ranks" in job.stdout
+    assert "--resume in place of --forecast" in job.stdout
+    assert pgimp.open(folder / "three").info["forecast"]["cell"] == [0.5, 0.5]
+    batch = [
+        "batch",
+        "blocks.yaml",
+        "--ranks=6",
+        "--wall-time=0:01:00",
+        "-o",
+        "three",
+        "--script=-",
+    ]
+    told = python(["-m", "pgimp", *batch, "--script=-", "--error"], cwd=folder)
+    assert "three has a forecast: cells of 0.5" in told.stderr and "1 job of" in told.stderr
+    assert "--error" in told.stdout
+    job = mpirun(3, [*words, "--resume"], cwd=folder)
+    assert job.returncode == 0, job.stdout + job.stderr
+    assert re.search(r"estimated errors, of the greatest values: kinetic-energy .* %", job.stdout)
+    assert (folder / "three" / "errors.csv").read_bytes() == (done.path / "errors.csv").read_bytes()
+    run = pgimp.open(folder / "three")
+    np.testing.assert_array_equal(run.frame(-1)["position"], done.frame(-1)["position"])
+    job = python([*words, "--resume", "--forecast"], cwd=folder)
+    assert job.returncode == 2 and "it needs no --forecast" in job.stderr
+
+
+def test_bands_and_a_section_show_the_errors(done, start, folder, capsys):
+    table = folder / "bands.csv"
+    words = ["plot", str(done.path), "--y", "kinetic-energy,mass", "--factor=2"]
+    assert main([*words, "-o", str(folder / "bands.svg"), "--csv", str(table)]) == 0
+    assert "bands are estimated errors" in capsys.readouterr().out
+    head = table.read_text().splitlines()[0]
+    assert head.endswith("error of 2 x kinetic-energy,error of 2 x mass")
+    drawn = np.genfromtxt(table, delimiter=",", skip_header=1, usecols=(1, 2, 4))
+    np.testing.assert_allclose(drawn[:, 2], 2.0 * done.history.errors["kinetic-energy"])
+    for more in (["--over=mass"], ["--mean=3"], ["--x=kinetic-energy"]):
+        assert main([*words, *more, "-o", str(folder / "none.csv")]) == 0
+        assert "error of" not in (folder / "none.csv").read_text()
+    assert main(["report", str(done.path)]) == 0
+    page = (done.path / "report.html").read_text()
+    assert "<h2>Estimated errors</h2>" in page and "probe.corner.displacement-x" in page
+    plain = start("bare")
+    assert main(["report", str(plain.path)]) == 0
+    assert "Estimated errors" not in (plain.path / "report.html").read_text()
+
+
+def test_a_check_tells_of_the_companions_and_of_a_wrong_column(folder, capsys):
+    words = ["check", str(folder / "blocks.yaml"), "--set"]
+    assert main([*words, "accuracy={of: strain-energy, within: 5 %}"]) == 0
+    out = capsys.readouterr().out
+    assert "accuracy: runs on cells of 2, 1 come first" in out
+    assert "note: body 'left' is 1.5 cells across" in out
+    assert main([*words, "accuracy={of: stain-energy, within: 5 %}"]) == 2
+    assert "accuracy.of: unknown column 'stain-energy'; did you mean" in capsys.readouterr().err
