@@ -121,7 +121,8 @@ def test_thin_bodies_are_told_and_few_cells_refused(folder, tmp_path):
         *notes(thick, companions(thick, [2.0], tmp_path))
     ]
     assert [one.path.name for one in companions(thick, [2.0, 4.0], tmp_path)] == ["4h", "2h"]
-    one = scene(1, box([0.0], [1.0]), cells=[1], end=1.0, step=0.1)
+    walls = {"x-min": "fixed", "x-max": "fixed"}
+    one = scene(1, box([0.0], [1.0]), cells=[1], end=1.0, step=0.1, boundaries=walls)
     with pytest.raises(UsageError, match="too few for a companion run"):
         companions(pgimp.load(one), [2.0], tmp_path)
 
