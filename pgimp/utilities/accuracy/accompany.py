@@ -93,8 +93,8 @@ def begin(
         except RunError as error:
             text = (
                 f"the companion run in {one.path} failed: {error}\n"
-                "The run itself has not begun. Smaller cells (grid.cell) may help; without --error, "
-                "or `accuracy`, there are no companions"
+                "The run itself has not begun. Smaller cells (grid.cell) may help; without "
+                "--error, or `accuracy`, there are no companions"
             )
             if fresh:
                 directory.record_failure("failed", 0, 0.0, text)
