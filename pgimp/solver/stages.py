@@ -91,13 +91,13 @@ def enter(now: Start, case: Case) -> Start:
         rank.move(now.balance.cuts, balance.cuts)
         particles = rank.up_to_date()
     balance.watch(rank.count)
-    books, free, before = rank.booked(), dict(_free(rank)), rank.grid
+    books, free, before, slaves = rank.booked(), dict(_free(rank)), rank.grid, rank.slaves
     grips = _grips(rank.grips, old, new)
     rank.enter(new, particles)
     _take_over(old, new, books, rank.booked())
     if rank.free:
         rank.free.states = [free[name] for name, _ in _free(rank)]
-    enter_motion(rank, before)
+    enter_motion(rank, before, slaves)
     if rank.grips:
         rank.grips.start(rank, grips)
     if arrivals:
