@@ -64,6 +64,7 @@ def enter(now: Start, case: Case) -> Start:
     new.interaction.rigid_bodies.measure(comm)
     warm_up(new, comm)
 
+    rank.contact.conclude(rank)
     gone = set(case.staged.removed) - set(old.case.staged.removed)
     arrivals = arrivals_of(new, old, rank)
     if gone:

@@ -116,6 +116,12 @@ class SurfaceContact(LagrangianContact):
         if self.loads:
             self.loads.restore(loads)
 
+    def conclude(self, rank: RankState) -> None:
+        """See `NoContact.conclude`; loads of a checkpoint are of this stage's surfaces."""
+        if self.loads:
+            surface = self.known(rank).surface
+            self.loads.know(surface, self._proximity.labels)
+
     def follow(self, before: NoContact) -> None:
         """See `NoContact.follow`."""
         if self.loads and isinstance(before, SurfaceContact) and before.loads:
