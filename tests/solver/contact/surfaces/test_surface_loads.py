@@ -152,9 +152,10 @@ def test_loads_last_where_a_run_goes_on_into_a_stage(tmp_path):
     """From the checkpoint at its end no step is taken in the stage that they are of."""
     options = {"comm": Serial(), "quiet": True}
     case = sliding_block()
+    region = {"box": {"min": [18.0, 4.0], "max": [20.0, 6.0]}}
+    case["bodies"]["goes"] = case["bodies"]["block"] | {"region": region}
     case["time"]["end"] = 0.02
-    stage = {"name": "later", "end": 0.03, "contact": [entry | {"friction": 0.1}
-                                                       for entry in case["contact"]]}  # fmt: skip
+    stage = {"name": "later", "end": 0.03, "remove": ["goes"]}
     staged = case | {"time": case["time"] | {"stages": [stage]}}
     together = pgimp.run(staged, output=tmp_path / "together", **options)
     for resume, each in enumerate((case, staged)):
