@@ -40,6 +40,7 @@ from pgimp.solver.contact.lagrangian.joint import Joint
 from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact, nothing_held
 from pgimp.solver.contact.lagrangian.messages import greatest
 from pgimp.solver.contact.lagrangian.selected import flat
+from pgimp.solver.contact.surfaces.depth import Depth
 from pgimp.solver.contact.surfaces.groups import (
     Grouped,
     add_books,
@@ -83,7 +84,8 @@ class SurfaceContact(LagrangianContact):
         self.loads = SurfaceLoads(comm) if scene.case.output.surface else None
         self._every = no_facets(0)
         rigid_bodies = scene.interaction.rigid_bodies
-        self._watch = OverrunWatch(scene, [*scene.body_names, *rigid_bodies.names])
+        names = [*scene.body_names, *rigid_bodies.names]
+        self._watch, self._depth = OverrunWatch(scene, names), Depth(scene, names)
         self._warm_start: KeptForces = KeptForces(comm)
         self._books = np.empty(0, np.int64), Ledger.empty(0, 0, 0)
         if not self.free:
@@ -139,12 +141,13 @@ class SurfaceContact(LagrangianContact):
 
     def overrun(self, rank: RankState, done: Step) -> list[str]:
         """See `NoContact.overrun`."""
+        said = self._depth.look(self.comm)
         if self._table is None or not self._watch.due(done):
-            return []
+            return said
         u = self._proximity.all_displacements(rank, self._table)
         if self.comm.rank > 0:
             return []
-        return self._watch.look(self._table, self._acts, u, self.rigid_bodies, done)
+        return said + self._watch.look(self._table, self._acts, u, self.rigid_bodies, done)
 
     def exchange(self, rank: RankState, update: VertexUpdate) -> None:
         """See `NoContact.exchange`."""
@@ -220,7 +223,9 @@ class SurfaceContact(LagrangianContact):
         far = proximity.far, proximity.walks((speed / least + self._rate) * dt)
         call(find_gaps, frame, rigid, self._walls, surface, (cells, u), scratch, far, every)
         vertices = ReferenceVertices(share.keys, values)
-        return self._pairs(surface, cells, every, vertices, (dt, speed))
+        joint = self._pairs(surface, cells, every, vertices, (dt, speed))
+        self._depth.note(every, surface, update.t.start)
+        return joint
 
     def _act(self, rank: RankState, update: VertexUpdate, joint: Joint | None) -> None:
         """Solve for the impulses of the rank's pairs, and apply them; collective."""
