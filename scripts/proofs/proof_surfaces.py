@@ -39,7 +39,7 @@ def main(words):
             path.write_text(json.dumps(case, indent=1))
             outcome, wrong = check(path)
             if not outcome.startswith("refused") and not options.alone:
-                kind_of, more = scene_runs.compare(path, where / "runs", rng, 60)
+                kind_of, more = scene_runs.compare(path, where / "runs", rng, 60, (3,))
                 outcome, wrong = kind_of.kind, wrong + [f"{a}: {b}" for a, b in more]
             said[outcome] += 1
             seconds = time.monotonic() - since

@@ -59,7 +59,7 @@ def make(rng, kind):
                 body["velocity"] = {"rotation": turn, "translation": body["velocity"]}
         body.pop("at", None)
     step = {"courant": number(rng, 0.15, 0.35)}
-    end = number(rng, 0.6, 1.3) * min(size) / SPEED
+    end = number(rng, 0.3, 0.8) * min(size) / SPEED
     case = {
         "format": 1, "dimensions": D, "grid": {"origin": origin, "size": size, "cell": sides},
         "method": {"shape": "gimp", "particles_per_cell": [rng.choice((2, 2, 3)) for _ in sides]},

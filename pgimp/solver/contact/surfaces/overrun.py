@@ -207,7 +207,8 @@ def _overlapping(
         np.minimum.at(ends[2 * k + 1], body, -x[:, :D])
     least, most, low, high = ends[0], -ends[1], ends[2] + deep, -ends[3] - deep
     a, b = np.nonzero(acts)
-    near = (((most[a] > low[b]) & (least[a] < high[b])) | (periods > 0.0)).all(axis=1)
+    joined = (periods > 0.0) & np.isfinite(most[a]) & np.isfinite(high[b])
+    near = (((most[a] > low[b]) & (least[a] < high[b])) | joined).all(axis=1)
     return [*zip(a[near].tolist(), b[near].tolist(), strict=True)]
 
 

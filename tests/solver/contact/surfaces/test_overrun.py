@@ -131,3 +131,17 @@ def test_surfaces_that_overlap_by_more_than_a_twentieth_of_a_cell_are_told(depth
     assert len(said) == deep and not contact.overrun(rank, sim.now)
     if deep:
         assert f"was {depth:.2g} cells deep" in said[0] and "near (5.7, " in said[0]
+
+
+def test_bodies_that_are_gone_are_not_looked_for_across_seams():
+    bodies = {name: box([low, 2.6], [low + 2.5, 4.6]) | EXACT
+              for name, low in (("left", 0.3), ("right", 4.1), ("goes", 7.9))}  # fmt: skip
+    case = scene(2, bodies, cells=[12, 9], materials={"soft": SOFT}, end=1e-3, step=1e-3,
+                 contact=[{"bodies": "all"}],
+                 boundaries={"x-min": "periodic", "x-max": "periodic"})  # fmt: skip
+    case["time"]["stages"] = [{"name": "later", "end": 2e-3, "remove": ["goes"]}]
+    sim = start(case)
+    sim.advance()
+    sim.next_stage()
+    sim.advance()
+    assert not sim.rank.contact.overrun(sim.rank, sim.now)
