@@ -79,6 +79,14 @@ def meet_by_surfaces(
     return any(initial) and able == initial and (all(initial) or whole)
 
 
+#: What contact by surfaces takes, see `meet_by_surfaces`.
+_NEEDS = (
+    "takes bodies that meet by their surfaces, of `configuration: initial` and `surface: cut`, in "
+    "a shape no wider than cells, none of them of particles from a file; others in the current "
+    "configuration may be beside them, but not with an axis or periodic faces"
+)
+
+
 def check_contact(
     body_names: Sequence[str],
     rigid_bodies: Mapping[str, RigidBody],
@@ -96,14 +104,9 @@ def check_contact(
         if getattr(condition, "restitution", 0.0) and not free:
             text = (
                 "its restitution is of rigid bodies that move freely, of which none meets it here: "
-                "that takes scenes in which all others have `configuration: initial` and "
-                "`surface: cut`; leave it out"
+                f"it {_NEEDS}; leave it out"
             )
             yield Problem(("boundaries", face), text)
-    needs = (
-        "is for scenes in which all bodies have `configuration: initial` and `surface: cut`, in a "
-        "shape no wider than cells, without particles from files"
-    )
     now = {name for name, body in bodies.items() if body.configuration == "current"}
     earlier: dict[frozenset[str], int] = {}
     for i, entry in enumerate(contact):
@@ -112,7 +115,7 @@ def check_contact(
         if entry.itself:
             pairs |= {frozenset((name,)) for name in entry.bodies if entry.bodies != "all"}
             if not by_surfaces or (entry.bodies != "all" and now & set(entry.bodies)):
-                yield Problem(("contact", i, "self"), f"{needs}: leave it out, or give them these")
+                yield Problem(("contact", i, "self"), f"{_NEEDS}: leave it out, or give them these")
         if entry.bodies == "all":
             pairs = {frozenset(("all",))}
         if entry.bodies != "all":
@@ -123,7 +126,7 @@ def check_contact(
             yield Problem(path, "there is only one body, which meets no other")
         if entry.bodies != "all" and not soft & set(entry.bodies) and not by_surfaces:
             text = (
-                f"all are rigid, and contact of rigid bodies with each other {needs}: give them "
+                f"all are rigid, and contact of rigid bodies with each other {_NEEDS}: give them "
                 "these, or leave the entry out"
             )
             yield Problem(path, text)
@@ -146,11 +149,14 @@ def check_surface_output(
     if not output.surface:
         return
     path = "output", "surface"
-    now = any(body.configuration == "current" for body in bodies.values())
-    if now or not meet_by_surfaces(bodies, method, geometry, boundaries):
+    now = [name for name, body in bodies.items() if body.configuration == "current"]
+    if not meet_by_surfaces(bodies, method, geometry, boundaries):
+        yield Problem(path, f"{_NEEDS}: give them these, or leave it out")
+    elif now:
         text = (
-            "is for scenes whose bodies meet by their surfaces: give all of them `configuration: "
-            "initial` and cut cells; or leave it out"
+            f"is not for cases with a body in the current configuration, '{now[0]}': its material "
+            "has no surface of its own, and what it presses with is known for whole patches only: "
+            "give it `configuration: initial`, or leave this out; forces are in the history"
         )
         yield Problem(path, text)
     elif not contact and not any(face.approaches for face in boundaries.values()):
