@@ -56,7 +56,8 @@ def may_be_exact(bodies: Mapping[str, Body], method: Shape) -> list[bool]:
     """Whether each body can be exact to its surface, and is not to be `whole`.
 
     Weights of parts of particles are those of their cells. So shapes wider than these have none,
-    nor have bodies from files of particles, nor others beside the current configuration then.
+    nor have bodies from files of particles. Beside others in the current configuration, whose shape
+    it then is, all can or none, and shapes may be as wide as they like.
     """
     able = [
         body.surface != "whole" and not isinstance(body.region, Points)
@@ -64,7 +65,7 @@ def may_be_exact(bodies: Mapping[str, Body], method: Shape) -> list[bool]:
         if body.configuration == "initial"
     ]
     mixed = 0 < len(able) < len(bodies)
-    if not method.in_cell or (mixed and not all(able)):
+    if (mixed and not all(able)) or not (method.in_cell or mixed):
         return [False] * len(bodies)
     found = iter(able)
     return [body.configuration == "initial" and next(found) for body in bodies.values()]

@@ -20,6 +20,7 @@ from pydantic import (
     model_validator,
 )
 
+from pgimp.case.accuracy import Accuracy
 from pgimp.case.body import Body
 from pgimp.case.checks.parts import check, sound_parts
 from pgimp.case.damping import Damping
@@ -222,6 +223,11 @@ class Case(Model):
         json_schema_extra={"additionalProperties": False},
     )
     checkpoint: Checkpoint = Field(default=Checkpoint(), description="checkpoints")
+    accuracy: Accuracy | None = Field(
+        default=None,
+        description="the error that a quantity may have: pgimp runs the case on larger cells "
+        "first, and chooses the cells by them; null: the cells are those of the case",
+    )
 
     @property
     def stages(self) -> tuple[Case, ...]:

@@ -64,6 +64,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=wall_time,
         help="stop in time, with a checkpoint and exit status 75, so that all ends within this",
     )
+    parser.add_argument(
+        "--error",
+        action="store_true",
+        help="run the case on larger cells first, and estimate the errors of history and probes",
+    )
     parser.add_argument("--quiet", action="store_true", help="nothing on the terminal but errors")
 
 
@@ -88,7 +93,8 @@ def execute(args: argparse.Namespace) -> int:
     output = Path(args.output or f"{Path(args.case).stem}.out")
     log = Log(comm.rank == 0, args.quiet)
     with Stop(comm, args.wall_time) as stop:
-        ended = _run(case, text, comm, output, args.overwrite, args.resume, log, stop)
+        how = args.overwrite, args.resume, args.error
+        ended = _run(case, text, comm, output, how, log, stop)
     return 0 if ended else STOPPED
 
 
@@ -101,6 +107,7 @@ def run(
     overwrite: bool = False,
     resume: bool = False,
     wall_time: float | None = None,
+    error: bool = False,
     quiet: bool = False,
     each: Each | Callable[[Now], object] | None = None,
 ) -> Run:
@@ -124,6 +131,8 @@ def run(
         Whether to resume from the newest intact checkpoint in the directory, if there is one.
     wall_time : float, optional
         Seconds after which the run has stopped, with a checkpoint; its state is then "stopped".
+    error : bool
+        Whether the case runs on larger cells first, for the errors of its history and probes.
     quiet : bool
         Whether the terminal gets only errors.
     each : callable or Each, optional
@@ -140,7 +149,7 @@ def run(
     CaseError, UsageError
         If the case is wrong or the directory cannot be used.
     ValueError
-        If `output` is empty, or `wall_time` not above zero.
+        If `output` is empty, `wall_time` not above zero, or `each` given with companion runs.
     RunError
         If the run fails. On more than one rank this ends the whole job with status 1.
     KeyboardInterrupt, SystemExit
@@ -161,7 +170,7 @@ def run(
     if wall_time is not None and not wall_time > 0.0:
         raise ValueError(f"wall_time: expected seconds above 0, got {wall_time!r}")
     # Before any collective call in which a single rank would wait.
-    require_same(comm, "pgimp.run", repr((str(output), overwrite, resume)))
+    require_same(comm, "pgimp.run", repr((str(output), overwrite, resume, error)))
     with abort_on_error(comm), within(comm, "pgimp.run"):
         text = None
         if isinstance(case, str | Path):
@@ -173,11 +182,14 @@ def run(
         require_same(comm, "pgimp.run", dump_case(case))
         if output is None:
             raise UsageError("a case that comes from no file needs output=, its run directory")
+        if calls is not None and (error or case.accuracy is not None):
+            raise ValueError("each: a companion run (error, accuracy) would call it on other cells")
         if overwrite and resume:
             raise UsageError("a run is either replaced or resumed; choose one")
         with Stop(comm, wall_time) as stop:
             log = Log(comm.rank == 0, quiet)
-            _run(own_levels(case), text, comm, Path(output), overwrite, resume, log, stop, calls)
+            how = overwrite, resume, error
+            _run(own_levels(case), text, comm, Path(output), how, log, stop, calls)
     return opened.open(output)
 
 
@@ -206,13 +218,15 @@ def _run(
     text: bytes | None,
     comm: Communicator,
     output: Path,
-    overwrite: bool,
-    resume: bool,
+    how: tuple[bool, bool, bool],
     log: Log,
     stop: Stop,
     each: Each | None = None,
 ) -> bool:
-    """Run a case in a directory; return whether it reached its end."""
+    """Run a case in a directory; return whether it reached its end.
+
+    It overwrites an older run, resumes it, and estimates errors, as `how` says.
+    """
     from pgimp.case.functions import functions_of
     from pgimp.case.reader import dump_case
     from pgimp.jit.compiled.cache import announced
@@ -221,7 +235,9 @@ def _run(
     from pgimp.running.resume import resume as load_pair
     from pgimp.running.running import advance
     from pgimp.storage.hdf5 import load_h5py
+    from pgimp.utilities.accuracy import accompany
 
+    overwrite, resume, error = how
     directory = RunDirectory(output, comm, overwrite, resume, tuple(case.probes))
     try:
         log.say(f"pgimp {installed('pgimp') or '(not installed)'}: {case.title or output.stem}")
@@ -229,9 +245,16 @@ def _run(
         if comm.rank == 0:  # takes longer than writing most frames
             load_h5py()
         with announced(log.say):
+            if accompanied := accompany.wanted(case, directory, error):
+                chosen = accompany.begin(case, directory, log, stop, _run)
+                if chosen is None:
+                    return False
+                case = chosen
             found = load_pair(case, comm, directory, log, each) if resume else None
             if found == "done":
                 log.say(f"{output} holds this run, done already: nothing is left to do")
+                if accompanied:
+                    accompany.conclude(case, directory, log)
                 return True
             resumed = found if isinstance(found, Resumed) else None
             sim = _set_up(case, comm, log, began, each) if resumed is None else resumed.sim
@@ -253,7 +276,10 @@ def _run(
             _warn_of_edited(own, directory, log)
         directory.prepare(texts, about, resumed is not None)
         log.write_to(output / "log.txt")
-        return advance(case, sim, resumed and resumed.about, directory, log, stop)
+        ended = advance(case, sim, resumed and resumed.about, directory, log, stop)
+        if ended and accompanied:
+            accompany.conclude(case, directory, log)
+        return ended
     finally:
         directory.release()
         log.close()

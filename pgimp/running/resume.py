@@ -27,7 +27,7 @@ from pgimp.storage.linereader import require_whole
 from pgimp.storage.plain import read_plain
 
 #: Keys that may change when a run is resumed: they affect no particle, or only the run's end.
-MAY_CHANGE = ("title", "time.end", "output", "history", "probes", "checkpoint")
+MAY_CHANGE = ("title", "time.end", "output", "history", "probes", "checkpoint", "accuracy")
 
 
 class Resumed(NamedTuple):

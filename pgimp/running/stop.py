@@ -247,6 +247,11 @@ class Stop:
             self.reason = self._limit
         return bool(self.reason)
 
+    @property
+    def left(self) -> float:
+        """Seconds until a limit stops the run; inf without any, and on ranks but the first."""
+        return self._latest - time.monotonic()
+
     def agree(self, reserve: float) -> bool:
         """Return whether there is a reason to stop on any rank, and share it; collective.
 

@@ -49,9 +49,7 @@ class Interaction:
         self.pairs: Pairs | None = None
         if case.contact or self.rigid_bodies or settings.mixed:
             self.pairs = Pairs.of(case.contact, [*case.bodies, *self.rigid_bodies.names])
-        if self.pairs and meet_by_surfaces(
-            case.bodies, case.method, case.geometry, case.boundaries
-        ):
+        if self.pairs and meet_by_surfaces(case.bodies):
             self.rigid_bodies.meeting = self._rigid_pairs(case)
             self.rigid_bodies.meets_walls = True
         of_body = np.array(materials.body_material, np.int64)

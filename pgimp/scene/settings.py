@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 
 from pgimp.case.checks.exact_surfaces import exact_surfaces
-from pgimp.case.checks.rigid_bodies import meet_by_surfaces
 from pgimp.case.escape import exits_of
 from pgimp.case.schema import Case
+from pgimp.physics.shapes.gimp import GimpParameters
 from pgimp.physics.shapes.parts import PartParameters
 
 #: Most cells that a particle crosses in a step whose length pgimp chooses.
@@ -27,14 +27,12 @@ class Settings:
     shape : NamedTuple
         Parameters of the shape; its support has `vertices` per direction.
     initial_shape : NamedTuple
-        That of bodies in the initial configuration, also beside others.
+        That of bodies in the initial configuration, also beside others: then no wider than cells.
     uncut : NamedTuple
         Parameters of the shape of whole particles. `shape` differs where bodies are exact to their
         surface; in contact, at current positions, their particles are cut boxes as others.
     exact_surfaces : (bodies,) bool
         Which bodies are exact to their surface.
-    by_surfaces : bool
-        Whether all bodies that meet do so by their own surfaces.
     follows : bool
         Whether supports follow the deformation.
     exact : NamedTuple or ()
@@ -64,10 +62,10 @@ class Settings:
         self.mixed = bool(self.lagrangian.any()) and not self.initial
         method = case.method
         self.exact_surfaces = np.array(exact_surfaces(case), bool)
-        by = case.bodies, method, case.geometry, case.boundaries
-        self.by_surfaces = meet_by_surfaces(*by) and not self.mixed
         cell = tuple(case.grid.cell)
         self.initial_shape: Any = method.fixed(cell)
+        if self.mixed and not method.in_cell:  # that is the shape of the others
+            self.initial_shape = GimpParameters(tuple(0.5 / n for n in method.particles_per_cell))
         self.uncut = self.initial_shape if self.initial else method.parameters(cell)
         if self.exact_surfaces.any():  # whole particles have the same weights
             self.initial_shape = PartParameters(tuple(0.0 for _ in cell))

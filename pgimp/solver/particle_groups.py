@@ -63,7 +63,7 @@ class ParticleGroup:
 
     def field(self, rank: RankState) -> Field:
         """The rank's planes, with bounds on the coordinates of these particles."""
-        return rank.grid.field
+        return rank.phases.field if rank.phases else rank.grid.field
 
     def forced(self, forcing: Forcing) -> Forcing:
         """The forcing of these particles."""

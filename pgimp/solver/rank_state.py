@@ -41,6 +41,7 @@ class RankState(Protocol):
     surface_kinematics: Any
     damping: Any
     averaged_mass: Any
+    phases: Any
     absorbing: Any
     slaves: Any
     mean_dilatation: Any

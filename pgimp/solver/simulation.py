@@ -233,7 +233,6 @@ class Simulation(SimulationProgress):
         """Complete the last step's reduction; its top speed sets the next dt."""
         self.complete_reduction()
         step = self.clock.next(self.done, self.clock.follow(self.fastest))
-        self.rank.contact.require_known(self.done)
         if free := self.rank.free:
             free.require_slow(step)
             free.require_clear(self.done, step.dt)

@@ -230,7 +230,7 @@ def _booked(scene: Scene) -> tuple[list[Hashable], ...]:
 
 def _placed(scene: Scene, contact: list[Hashable]) -> list[Hashable]:
     """Names of the rows of `Ledger.contact_moments`."""
-    places = PLACES * scene.settings.by_surfaces
+    places = PLACES * scene.settings.initial
     return [(name, row) for name in contact for row in range(places)]
 
 

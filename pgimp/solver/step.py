@@ -1,4 +1,4 @@
-"""One explicit time step, update stress last: the file to read first."""
+"""One explicit time step, update stress last by default: the file to read first."""
 
 from __future__ import annotations
 
@@ -67,6 +67,8 @@ def step(
     update = vertex_update(rank, t, loads)
     contact.detect(rank, t, rank.ledger)
     lap("contact")
+    for part in parts:
+        part.strain(rank, groups, update, loads)  # the first half of it, or none
     fold_mirrors(rank, update)
     for part in parts:
         part.add_forces(rank, update)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from pgimp.kernels.data.arguments import Forcing, Order
@@ -46,6 +47,19 @@ class StepPart:
             Its particles: all, or in scenes of both configurations those in the current one.
         done : int
             Number of the step before.
+        """
+
+    def strain(
+        self, rank: RankState, groups: Sequence[Any], update: VertexUpdate, loads: Loads
+    ) -> None:
+        """Strain particles before forces act, with all sums at hand; collective.
+
+        Parameters
+        ----------
+        groups : sequence of ParticleGroup
+            The particles.
+        update, loads
+            The step's; the sums must be the same thereafter, but for the stress.
         """
 
     def add_forces(self, rank: RankState, update: VertexUpdate) -> None:
@@ -98,15 +112,14 @@ def vertex_update(
 
 def fold_mirrors(rank: RankState, update: VertexUpdate) -> None:
     """Fold the sums beyond reflecting faces; find the clearances of unilateral ones."""
-    scene, field, call, contact = rank.scene, rank.grid.field, rank.call, rank.contact.data
-    volumes = (contact.volumes, contact.used) if contact else ()
-    for seam in scene.domain.seams if contact else ():
+    scene, field, call, volumes = rank.scene, rank.grid.field, rank.call, rank.contact.volumes
+    for seam in scene.domain.seams if volumes else ():
         call(fold_volumes, scene.domain.frame, field, *volumes, seam)
     for releases in (False, True):  # unilateral ones last: they include the sums of both
         for mirror in (*scene.domain.absorbing_mirrors, *scene.domain.mirrors):
             if mirror.releases == releases:
                 call(fold, scene.domain.frame, field, mirror, update.forcing, update.ledger)
-                if contact:
+                if volumes:
                     call(fold_volumes, scene.domain.frame, field, *volumes, mirror)
         if not releases:
             rank.clearances.find(rank.grid)

@@ -40,10 +40,6 @@ def test_a_case_may_be_periodic():
         ("size: [4.0, 4.0]", "size: [2.0, 4.0]", "3: grid.size.0", ("2 cells are too few", "3")),
         ("  x-max: periodic", "  x-max: periodic\nescape: {x-max: remove}", "12: escape.x-max", ()),
         (
-            "material: soft,", "material: soft, configuration: initial, surface: whole,",
-            "8: bodies.block.configuration", (),
-        ),
-        (
             "boundaries:",
             "tractions: {push: {body: block, face: x-max, pressure: 1.0}}\nboundaries:",
             "9: tractions.push.face", ("periodic face",),
@@ -58,8 +54,6 @@ def test_a_case_may_be_periodic():
 def test_what_does_not_fit_is_refused(old, new, where, parts):
     assert old in CASE
     text = CASE.replace(old, new, 1)
-    if "configuration" in new:
-        text += "  y-min: separating\n"
     if "size" in new:
         text = text.replace("max: [4.0, 3.0]", "max: [2.0, 3.0]")
     line = message(text)

@@ -38,6 +38,14 @@ def test_what_the_key_means(case, expected):
     assert exact_surfaces(Case.model_validate(case)) == expected
 
 
+@pytest.mark.parametrize(("low", "exact"), [(1.0, False), (1.5, True)])
+def test_mean_dilatation_needs_whole_cells(low, exact):
+    case = scene(2, box([low, 2.0], [3.0, 4.0]) | INITIAL)
+    assert exact_surfaces(Case.model_validate(case)) == [False]
+    case["method"]["volumetric"] = "mean"
+    assert exact_surfaces(Case.model_validate(case)) == [exact]
+
+
 def test_all_stages_have_the_same_cells():
     """Bodies that meet from a stage on are exact from the start."""
     case = scene(2, ALONG | INITIAL)

@@ -170,12 +170,12 @@ import sys
 sys.path.insert(0, sys.argv[1])
 from proofs import bounds
 import numpy as np
-from pgimp.kernels.contact.lagrangian.coupling import number_rows
 from pgimp.kernels.contact.lagrangian.pairs import ContactPairs
+from pgimp.kernels.contact.lagrangian.warm_start import KEPT_FORCE, keep_impulses
 
-pairs = ContactPairs.empty(1)
-pairs.ends["rows"] = 5
-number_rows(pairs, np.empty(1, np.int64), np.empty(2, np.int64))
+pairs, none = ContactPairs.empty(1), np.empty(0, KEPT_FORCE)
+pairs.states["normal_impulse"] = pairs.states["normal"] = 1.0
+keep_impulses(pairs, 1.0, none, none)
 """
 
 

@@ -20,14 +20,17 @@ def exact_surfaces(case: Any) -> list[bool]:
     """Whether each body of a `Case` is exact to its surface.
 
     Where bodies do not meet by surfaces, in no stage, and none cuts a particle, lattice particles
-    are exact already: such scenes pay for nothing.
+    are exact already: such scenes pay for nothing. Mean dilatation takes whole cells to be so: at
+    the centre of a cell that is filled in part it is not that of its particles, and locks.
     """
     able = may_be_exact(case.bodies, case.method)
+    means = case.method.volumetric == "mean" and case.dimensions > 1
+    boxes = (1,) * case.dimensions if means else case.method.particles_per_cell
     cut = any(able) and (
         case.staged.meets
         or meets(case)
         or any(
-            cuts(body.region, case.grid, case.method.particles_per_cell)
+            cuts(body.region, case.grid, boxes)
             for body, one in zip(case.bodies.values(), able, strict=True)
             if one
         )
@@ -39,9 +42,8 @@ def meets(case: Any) -> bool:
     """Whether bodies of a `Case` may meet by surfaces: each other, rigid bodies or walls."""
     walls = any(entry.approaches for entry in case.boundaries.values())
     current = any(body.configuration == "current" for body in case.bodies.values())
-    return bool(case.contact or case.rigid_bodies or walls or current) and meet_by_surfaces(
-        case.bodies, case.method, case.geometry, case.boundaries
-    )
+    some = case.contact or case.rigid_bodies or walls or current
+    return bool(some) and meet_by_surfaces(case.bodies)
 
 
 def cuts(region: Region, grid: Grid, per_cell: tuple[int, ...]) -> bool:
@@ -75,7 +77,7 @@ def fallback(case: Any) -> str:
     if not cut or any(may_be_exact(bodies, method)):
         return ""
     why = f"{method.name} is wider than cells"
-    if current and method.in_cell:
+    if current:
         why = f"'{current[0]}' is in the current one, and another body is whole or from a file"
     return (
         f"cut particles of '{cut[0]}', in the initial configuration, have weights of whole ones, "

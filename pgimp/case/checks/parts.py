@@ -12,6 +12,7 @@ from typing import Any
 
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
+from pgimp.case.accuracy import check_accuracy
 from pgimp.case.checks.bodies import check_constraints, check_materials, check_tractions
 from pgimp.case.checks.configuration import check_averaged, check_parted
 from pgimp.case.checks.domain import (
@@ -165,6 +166,7 @@ _CHECKS = (
     check_time,
     check_materials,
     check_variations,
+    check_accuracy,
     check_regions,
     check_rigid_bodies,
     check_body_force,

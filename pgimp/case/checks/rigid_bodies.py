@@ -5,15 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 
-from pgimp.case.body import Body, may_be_exact
-from pgimp.case.checks.periodic import periodic_axes
+from pgimp.case.body import Body
 from pgimp.case.grid import Grid
 from pgimp.case.output import Output
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.contact.pairs import ContactEntry
 from pgimp.physics.loads.motion import RigidMotion
 from pgimp.physics.rigid import FREEDOMS, Free, RigidBody
-from pgimp.physics.shapes.base import Shape
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems
@@ -66,25 +64,12 @@ def _free(path: tuple[str | int, ...], dimensions: int, body: RigidBody, free: F
             yield Problem((*path, "velocity"), "it moves in a way that `fixed` excludes")
 
 
-def meet_by_surfaces(
-    bodies: Mapping[str, Body], method: Shape, geometry: str, boundaries: Mapping[str, Boundary]
-) -> bool:
-    """Whether bodies meet at their own surfaces, and not at the vertices of a grid.
+def meet_by_surfaces(bodies: Mapping[str, Body]) -> bool:
+    """Whether bodies meet at their own surfaces: where any is in the initial configuration.
 
-    With others in the current configuration only without an axis and periodic faces.
+    Those in the current one still meet each other at the vertices of the domain's grid.
     """
-    able = may_be_exact(bodies, method)
-    initial = [b.configuration == "initial" for b in bodies.values()]
-    whole = geometry != "axisymmetric" and not periodic_axes(boundaries)
-    return any(initial) and able == initial and (all(initial) or whole)
-
-
-#: What contact by surfaces takes, see `meet_by_surfaces`.
-_NEEDS = (
-    "takes bodies that meet by their surfaces, of `configuration: initial` and `surface: cut`, in "
-    "a shape no wider than cells, none of them of particles from a file; others in the current "
-    "configuration may be beside them, but not with an axis or periodic faces"
-)
+    return any(body.configuration == "initial" for body in bodies.values())
 
 
 def check_contact(
@@ -92,21 +77,20 @@ def check_contact(
     rigid_bodies: Mapping[str, RigidBody],
     contact: Sequence[ContactEntry],
     bodies: Mapping[str, Body],
-    method: Shape,
-    geometry: str,
     boundaries: Mapping[str, Boundary],
 ) -> Problems:
     """Check that the entries of contact name bodies, and no pair twice."""
     body_names, soft = [*body_names, *rigid_bodies], set(body_names)
-    by_surfaces = meet_by_surfaces(bodies, method, geometry, boundaries)
+    by_surfaces = meet_by_surfaces(bodies)
     free = by_surfaces and any(body.free for body in rigid_bodies.values())
     for face, condition in boundaries.items():
         if getattr(condition, "restitution", 0.0) and not free:
             text = (
                 "its restitution is of rigid bodies that move freely, of which none meets it here: "
-                f"it {_NEEDS}; leave it out"
+                "that takes scenes in which others have `configuration: initial`; leave it out"
             )
             yield Problem(("boundaries", face), text)
+    needs = "is for bodies with `configuration: initial`"
     now = {name for name, body in bodies.items() if body.configuration == "current"}
     earlier: dict[frozenset[str], int] = {}
     for i, entry in enumerate(contact):
@@ -115,7 +99,7 @@ def check_contact(
         if entry.itself:
             pairs |= {frozenset((name,)) for name in entry.bodies if entry.bodies != "all"}
             if not by_surfaces or (entry.bodies != "all" and now & set(entry.bodies)):
-                yield Problem(("contact", i, "self"), f"{_NEEDS}: leave it out, or give them these")
+                yield Problem(("contact", i, "self"), f"{needs}: leave it out, or give them these")
         if entry.bodies == "all":
             pairs = {frozenset(("all",))}
         if entry.bodies != "all":
@@ -126,7 +110,7 @@ def check_contact(
             yield Problem(path, "there is only one body, which meets no other")
         if entry.bodies != "all" and not soft & set(entry.bodies) and not by_surfaces:
             text = (
-                f"all are rigid, and contact of rigid bodies with each other {_NEEDS}: give them "
+                f"all are rigid, and contact of rigid bodies with each other {needs}: give them "
                 "these, or leave the entry out"
             )
             yield Problem(path, text)
@@ -141,8 +125,6 @@ def check_surface_output(
     output: Output,
     contact: Sequence[ContactEntry],
     bodies: Mapping[str, Body],
-    method: Shape,
-    geometry: str,
     boundaries: Mapping[str, Boundary],
 ) -> Problems:
     """Check that there are surfaces that meet, if frames of these are asked for."""
@@ -150,8 +132,12 @@ def check_surface_output(
         return
     path = "output", "surface"
     now = [name for name, body in bodies.items() if body.configuration == "current"]
-    if not meet_by_surfaces(bodies, method, geometry, boundaries):
-        yield Problem(path, f"{_NEEDS}: give them these, or leave it out")
+    if not meet_by_surfaces(bodies):
+        text = (
+            "takes bodies that meet by their surfaces: give them `configuration: initial`, or "
+            "leave this out"
+        )
+        yield Problem(path, text)
     elif now:
         text = (
             f"is not for cases with a body in the current configuration, '{now[0]}': its material "

@@ -28,6 +28,7 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
     """
     data = case.model_dump(by_alias=True)
     at, start = case.output.at, 0.0
+    data["accuracy"] = None  # of the whole
     data["time"] = {key: value for key, value in data["time"].items() if key != "stages"}
     first = _of_stage(type(case), data, at, start, case.time.end, 0.0)
     awaited = {name: i for i, stage in enumerate(case.time.stages, 1) for name in stage.add}

@@ -116,4 +116,7 @@ def largest_courant(case: Any) -> float:
     limit = vertex_limit(case)
     if limit is not None:
         return limit
-    return averaged_limit(case, case.method.largest_courant(case.dimensions))
+    limit = case.method.largest_courant(case.dimensions)
+    if not case.method.in_cell and any(b.configuration == "initial" for b in case.bodies.values()):
+        limit = min(limit, EXACT_LIMIT)  # those have weights of cells
+    return averaged_limit(case, limit)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Collection, Iterator
+from contextlib import suppress
 from pathlib import Path
 
 from pgimp.errors import UsageError
@@ -13,12 +14,15 @@ from pgimp.io.rundir.probefiles import PROBES, probe_file, probes_ever
 
 RUN = "run.json"
 REPORT = "report.html"
+ERRORS = "errors.csv"
+#: Folder of companion runs, each a run directory.
+COARSE = "coarse"
 _LISTS = tuple(
     f"{name}.{kind}"
     for kind in ("xdmf", "vtkhdf")
     for name in ("particles", "grid", "rigid", "surface")
 )
-TOP = ("case.yaml", "input.yaml", *_LISTS, "history.csv", "log.txt", REPORT, RUN)
+TOP = ("case.yaml", "input.yaml", *_LISTS, "history.csv", "log.txt", ERRORS, REPORT, RUN)
 FRAME = re.compile(r"particles-(\d{6,})\.h5")
 GRID_FRAME = re.compile(r"grid-(\d{6,})\.h5")
 RIGID_FRAME = re.compile(r"rigid-(\d{6,})\.h5")
@@ -29,7 +33,7 @@ FAILURE = "failure"
 FAILED = ".failed"
 #: Files being written.
 PART = re.compile(
-    r"\.(case\.yaml|input\.yaml|run\.json|report\.(txt|html)|particles\.h5|"
+    r"\.(case\.yaml|input\.yaml|run\.json|report\.(txt|html)|errors\.csv|particles\.h5|"
     r"(particles|grid|rigid|surface)\.(xdmf|vtkhdf)|"
     r"(particles|grid|rigid|surface|step)-\d+\.h5)\.part"
 )
@@ -61,6 +65,27 @@ def own_files(directory: Path) -> Iterator[Path]:
     for name in (FAILED, *TOP):
         if name != RUN:
             yield directory / name
+
+
+def companion_files(directory: Path) -> Iterator[Path]:
+    """Yield the files of the companion runs in a run directory.
+
+    Raises
+    ------
+    OSError
+        If a folder cannot be read.
+    """
+    for folder in sorted((directory / COARSE).glob("*")):
+        if runinfo.read(folder / RUN) is not None:
+            yield from own_files(folder)
+            yield folder / RUN
+
+
+def remove_empty(folder: Path) -> None:
+    """Remove the folders without files in a folder, and the folder itself if it is empty then."""
+    for name, _, _ in os.walk(folder, topdown=False):
+        with suppress(OSError):
+            os.rmdir(name)
 
 
 def probes_so_far(directory: Path) -> set[str]:

@@ -14,14 +14,17 @@ from pathlib import Path
 from pgimp.errors import RunError, UsageError, explain
 from pgimp.io.rundir import runinfo
 from pgimp.io.rundir.ownfiles import (
+    COARSE,
     FAILED,
     FAILURE,
     FOLDERS,
     PART,
     RUN,
     TOP,
+    companion_files,
     own_files,
     probes_so_far,
+    remove_empty,
     require_room,
 )
 from pgimp.io.rundir.probefiles import PROBES
@@ -85,6 +88,7 @@ class RunDirectory:
         self._probes = probes
         self._lock = -1
         self._created = False
+        self._accompanied = False
         self.before = on_root(comm, lambda: self._claim(overwrite, resume))
 
     def _claim(self, overwrite: bool, resume: bool) -> dict[str, object] | None:
@@ -187,6 +191,25 @@ class RunDirectory:
         """
         on_root(self.comm, lambda: self._prepare(texts, start, resume))
 
+    def accompany(self, start: dict[str, object]) -> None:
+        """Keep the companions of the run from here on; collective.
+
+        Unless the run is resumed, those of an older one are deleted with it.
+
+        Parameters
+        ----------
+        start : dict
+            Entry of run.json until the run itself starts.
+
+        Raises
+        ------
+        UsageError, RunError
+            As from `prepare`.
+        """
+        if self.before is None or self.overwrite:
+            self.prepare({}, start | {"state": STARTING})
+        self._accompanied = True
+
     def _prepare(self, texts: dict[str, bytes], start: dict[str, object], resume: bool) -> None:
         try:
             require_room(self.path, resume, self._probes)
@@ -196,6 +219,8 @@ class RunDirectory:
             for name in FOLDERS:
                 (self.path / name).mkdir(exist_ok=True)
             own = list(own_files(self.path))
+            if not (resume or self._accompanied):
+                own += companion_files(self.path)
             if resume:
                 runinfo.append(self.path / RUN, start | both)
             else:
@@ -205,6 +230,8 @@ class RunDirectory:
                 past = path.name == FAILED or path.parent.name == FAILURE
                 if not resume or past or PART.fullmatch(path.name):
                     path.unlink(missing_ok=True)
+            if not (resume or self._accompanied):
+                remove_empty(self.path / COARSE)
             for name, text in texts.items():
                 write(self.path / name, text)
             if not resume:

@@ -76,7 +76,7 @@ def _add(contact, search, number, most, near, found):
     `most` fields may have mass there, see `Contact.present`. Rigid bodies may be `near`.
     """
     faces, frame, last = search.faces, search.frame, search.last
-    count = _find_fields(contact, faces, frame, search.field, number, most)
+    count = find_fields(contact, faces, frame, search.field, number, most)
     if count == 0 or (count == 1 and not near):
         return found
     sides = wall_sides(faces, frame, number)
@@ -116,7 +116,7 @@ def _add(contact, search, number, most, near, found):
 
 
 @inner_kernel
-def _find_fields(contact, faces, frame, field, number, most):
+def find_fields(contact, faces, frame, field, number, most):
     """Find the fields at a vertex; returns their number.
 
     Walls cut off part of its neighbourhood.

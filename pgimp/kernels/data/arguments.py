@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pgimp.kernels.data.frame import Frame, Window
 from pgimp.kernels.data.motion import VertexMotion
-from pgimp.kernels.data.particles import FloatArray, IntArray
+from pgimp.kernels.data.particles import FloatArray, IntArray, Particles
 
 
 class KernelScene(NamedTuple):
@@ -88,6 +88,17 @@ class Field(NamedTuple):
     motion: VertexMotion | tuple[()] = ()
 
 
+class Phase(NamedTuple):
+    """What a step of another order of phases has done before the particles move.
+
+    See `pgimp.solver.phases`.
+    """
+
+    dt: float  #: Time of the strain that is left.
+    particles: Particles  #: With deformation gradients so far in place of F.
+    velocities: FloatArray  #: (capacity, D) float64: Velocities of the particles after the step.
+
+
 class Forcing(NamedTuple):
     """Forcing of the material during one step, except the conditions of faces.
 
@@ -118,6 +129,7 @@ class Forcing(NamedTuple):
     #: PenetrationLimits or (): Rigid bodies that hold particles out. See
     #: `pgimp.kernels.contact.hold`.
     limits: Any = ()
+    phase: Phase | tuple[()] = ()  #: Phase or (): Of the step, where stress is not updated last.
 
 
 class Report(NamedTuple):

@@ -77,6 +77,27 @@ class Accelerations(NamedTuple):
     buffer: FloatArray  #: (plane / 2,) float64.
 
 
+class Links(NamedTuple):
+    """Entries of alpha C that do not count, see `pgimp.solver.lagrangian.bearing`."""
+
+    force: IntArray  #: (n,) int64: Offset of the force of a vertex in `Field.G`.
+    own: IntArray  #: (n,) int64: Offset of its acceleration.
+    other: IntArray  #: (n,) int64: Offset of the other vertex's acceleration.
+    value: FloatArray  #: (n,) float64: The entries.
+
+
+@kernel
+def leave_links(field, links, A):
+    """Add to forces what `average_forces` has taken by some links.
+
+    `A` are the accelerations.
+    """
+    for n in range(len(links.force)):
+        for d in range(3):
+            change = A[links.other[n] + d] - A[links.own[n] + d]
+            field.G[links.force[n] + d] += links.value[n] * change
+
+
 @kernel
 def average_forces(frame, field, faces, forcing, accelerations, rows, found, planes):
     """Take alpha (C - L) a from the forces at a rank's vertices.

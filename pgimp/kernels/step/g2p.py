@@ -1,7 +1,7 @@
 """Grid to particles: positions and velocities (26, 27), deformation (29, 30), volume and stress."""
 
 from pgimp.jit.algebra import determinant
-from pgimp.jit.kernel import kernel
+from pgimp.jit.kernel import is_empty, kernel
 from pgimp.jit.vectors.simd import lane, stack, vector
 from pgimp.kernels.contact.hold import project_out
 from pgimp.kernels.data.arguments import FourParticles
@@ -22,6 +22,7 @@ from pgimp.kernels.update.mean_dilatation_lagrangian import (
     keep_mean_lagrangian,
     take_mean_lagrangian,
 )
+from pgimp.kernels.update.phases import rest_of_strain
 from pgimp.kernels.update.speed import grid_speed
 from pgimp.kernels.update.stress import keep_state, margins, materials_of, update_stress
 from pgimp.kernels.update.varying import substitute_parameters
@@ -94,8 +95,9 @@ def grid_to_particles(
             power = add_force_power(loads.force, frame, particles, four, u, forces, power)
             u, v = update_velocity(frame, forcing, particles, four, (u, a, hoop), ledger)  # (27)
             moved_to = update_position(forcing, particles, four, u)  # (26)
-            moved = when_moved(loads.affine, dt, grad)
-            keep_gradients(loads.affine, particles, rows, moved, codes)
+            if is_empty(forcing.phase):
+                moved = when_moved(loads.affine, dt, grad)
+                keep_gradients(loads.affine, particles, rows, moved, codes)
             grad = with_means(  # the cells' rates of dilatation
                 loads.mean, frame, particles, rows, buffer, sums, count, grad
             )
@@ -103,13 +105,14 @@ def grid_to_particles(
                 loads.mean_lagrangian, (shape, frame), field, four, buffer, weights, sums
             )
             m = materials_of(setting.material_of, particles.body, rows)
-            L, F = deform(cells, setting, forcing, particles, four, m, grad)  # (29)
+            left, strained = rest_of_strain(forcing, particles)
+            L, F = deform(cells, setting, left, strained, four, m, grad)  # (29)
             x, F, v = refill(
                 forcing, setting, field, particles, four, (buffer, sums), (moved_to, F, v), ledger
             )
             J = determinant(F)
             own = substitute_parameters(setting, particles, rows)
-            sigma, state = update_stress(own, forcing, particles, rows, m, F, J, L)
+            sigma, state = update_stress(own, left, particles, rows, m, F, J, L)
             put_row(particles.x, rows, 0, x)
             put_row(particles.v, rows, 0, v)
             put_row(particles.F, rows, 0, F)

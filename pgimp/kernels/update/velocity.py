@@ -1,6 +1,6 @@
 """Velocities (27) and positions (26) of particles from the grid's motion."""
 
-from pgimp.jit.kernel import inlined
+from pgimp.jit.kernel import inlined, is_empty
 from pgimp.jit.tuples import plus_scaled
 from pgimp.kernels.grid.constraints import constrain_particles
 from pgimp.kernels.grid.resting import settle
@@ -30,11 +30,19 @@ def update_velocity(frame, forcing, particles, four, gathered, ledger):
     if is_initial(frame):
         return (ring_motion(frame, particles, four, gathered[2], gathered[0]), gathered[0])
     u, a, hoop = gathered
-    v = plus_scaled(forcing.dt, a, take_row(particles.v, four.rows, 0, u))  # (27)
-    v = relaxed(forcing.loads.relaxation, forcing.dt, v, u)
+    v = new_velocity(forcing, particles, four.rows, u, a)
     v = settle(forcing.loads.rest, frame, forcing, particles, four, (v, u), ledger)
     u = ring_motion(frame, particles, four, hoop, u)
     return constrain_particles(forcing.constraints, particles, four, u, v, ledger)
+
+
+@inlined
+def new_velocity(forcing, particles, rows, u, a):
+    """Velocities of four particles (27), relaxed; those that a phase has found, if any."""
+    if not is_empty(forcing.phase):
+        return take_row(forcing.phase.velocities, rows, 0, u)
+    v = plus_scaled(forcing.dt, a, take_row(particles.v, rows, 0, u))
+    return relaxed(forcing.loads.relaxation, forcing.dt, v, u)
 
 
 @inlined

@@ -7,6 +7,7 @@ from pydantic import Field
 
 from pgimp.jit.kernel import class_of, exact, inlined, of_types
 from pgimp.physics.shapes.courant import LIMITS
+from pgimp.physics.shapes.phases import STRESS, StressOrder
 from pgimp.schema.base import Count, Model, NonNegative
 from pgimp.schema.dispatch import Either
 
@@ -46,6 +47,8 @@ class Shape(Model):
         "cell having one: nearly incompressible and plastic materials then do not lock. For boxes "
         "(gimp, finite-gimp, cpdi), in either configuration; in 1D it makes no difference",
     )
+
+    stress: StressOrder = STRESS
 
     mass: Literal["lumped", "averaged"] = Field(
         default="lumped",

@@ -195,7 +195,8 @@ def _patches(
     sign = normal[np.arange(len(x)), axis] > 0.0
     keys = np.column_stack([inside, 2 * axis + sign])
     first, patch = distinct(keys)
-    places, patch = _flat(inside[first], patch, normal, area)
+    off = np.abs((x - origin) / cell - inside - 0.5)
+    places, patch = _flat(inside[first], patch, normal, area, off)
     total = np.asarray(np.bincount(patch, area), float)
     centre, mean = (
         np.asarray(np.stack([np.bincount(patch, area * e) for e in v.T], axis=1), float)
@@ -207,10 +208,13 @@ def _patches(
     return np.unique(into[patch], return_inverse=True)[1].reshape(-1)
 
 
-def _flat(places: Indices, patch: Indices, normal: Reals, area: Reals) -> tuple[Indices, Indices]:
+def _flat(
+    places: Indices, patch: Indices, normal: Reals, area: Reals, off: Reals
+) -> tuple[Indices, Indices]:
     """Split patches whose facets are not alike, as beside edges; all patches' places, and numbers.
 
-    Each part has the facets that are alike to the greatest of the rest.
+    Each part has the facets that are alike to the greatest of the rest. Of equal ones their
+    normals, and the sizes of their places `off` a cell's middle, decide: images have the same.
     """
     mean = np.stack([np.bincount(patch, area * n) for n in normal.T], axis=1).astype(float)
     mean = mean / np.maximum(np.sqrt((mean * mean).sum(axis=1)), 1e-300)[:, None]
@@ -220,7 +224,8 @@ def _flat(places: Indices, patch: Indices, normal: Reals, area: Reals) -> tuple[
     patch = patch.copy()
     for one, a, b in zip(bent.tolist(), begin.tolist(), end.tolist(), strict=True):
         rest = order[a:b]
-        rest = rest[np.argsort(-np.round(area[rest] / area[rest].max(), 6), kind="stable")]
+        images = np.round(np.hstack([off[rest], np.abs(normal[rest])]), 6)
+        rest = rest[np.lexsort((*images.T, -np.round(area[rest] / area[rest].max(), 6)))]
         while len(rest):
             alike = normal[rest] @ normal[rest[0]] >= FLAT
             if not alike.all():
@@ -240,7 +245,8 @@ def _joins(
 ) -> Indices:
     """The patch that each patch is part of: small ones join the nearest whose normal is alike.
 
-    `around` are the domain's periods, and the cells in them; 0 without any.
+    Of equally near ones sizes along x, y and z decide, so that images join images. `around` are the
+    domain's periods, and the cells in them; 0 without any.
     """
     into = np.arange(len(total))
     small = np.flatnonzero(total < LEAST_PATCH * side)
@@ -265,9 +271,11 @@ def _joins(
     way = centre[near] - centre[small[row]]
     way -= _whole_periods(way, periods)
     away = np.round((way * way).sum(axis=1) / side**2, 9)
-    order = np.lexsort((*places[near].T[::-1], away, row))
+    sizes = np.round(np.abs(way).T[::-1], 9)
+    order = np.lexsort((*places[near].T[::-1], *sizes, away, row))
     near, start = near[order], np.searchsorted(row, np.arange(len(small) + 1))
-    for k in np.argsort(np.round(total[small] / side, 9), kind="stable").tolist():
+    nearest = np.append(away[order], np.inf)[start[:-1]]
+    for k in np.lexsort((nearest, np.round(total[small] / side, 9))).tolist():
         own = root(int(small[k]))
         if area[own] >= LEAST_PATCH * side:
             continue

@@ -84,9 +84,7 @@ class SceneRigidBodies:
         #: Pairs of rigid bodies that act on each other, by their numbers.
         self.meeting: frozenset[frozenset[int]] = frozenset()
         #: Whether bodies meet them at their surfaces.
-        self.by_surfaces = meet_by_surfaces(
-            case.bodies, case.method, case.geometry, case.boundaries
-        )
+        self.by_surfaces = meet_by_surfaces(case.bodies)
         self.meets_walls = False  # those that let go
         self._kept: RigidBodies | None = None
         self._placed: dict[int, bytes] = {}

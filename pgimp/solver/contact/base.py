@@ -50,19 +50,15 @@ class NoContact:
     def __init__(self, scene: Scene, comm: Communicator) -> None:
         self.scene, self.comm = scene, comm
 
-    def require_known(self, done: Step) -> None:
-        """Refuse to go on where bodies come to rigid ones that are not known there; collective.
-
-        Raises
-        ------
-        EndlessError
-            On every rank.
-        """
-
     @property
     def rigid_bodies(self) -> Any:
         """The rigid bodies for kernels, as they are in this step; () without any."""
         return ()
+
+    @property
+    def volumes(self) -> tuple[np.ndarray, ...]:
+        """Sums of volumes at vertices that are shared, and their used rows; () without any."""
+        return (self.data.volumes, self.data.used) if self.data else ()
 
     def assign_fields(self, rank: RankState) -> None:
         """Assign velocity fields to bodies: a common one to bodies that cannot touch soon."""
@@ -118,6 +114,13 @@ class NoContact:
         for active in rank.averaged_mass.by_planes(rank) if rank.averaged_mass else (field.active,):
             self.advance(rank, update, part, field._replace(active=active))
             part = FURTHER
+
+    def hold(self, rank: RankState, update: VertexUpdate, field: Field) -> None:
+        """Let momenta of a `field` become velocities that satisfy contact and faces, by no force.
+
+        The rank's own before its update, or another like it after that.
+        """
+        self.advance(rank, update, WHOLE, field)
 
     def exchange(self, rank: RankState, update: VertexUpdate) -> None:
         """Exchange impulses between vertices at different positions."""

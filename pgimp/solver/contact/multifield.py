@@ -19,7 +19,7 @@ from pgimp.kernels.contact.select import select_near
 from pgimp.kernels.contact.vertex import find_contact_vertices
 from pgimp.kernels.contact.vertex_list import list_vertices
 from pgimp.kernels.contact.volumes import volume_sums
-from pgimp.kernels.data.arguments import Order
+from pgimp.kernels.data.arguments import Field, Order
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
 from pgimp.kernels.step.momentum import BEGINNING, REST, WHOLE
 from pgimp.mpi.communicator import Communicator
@@ -165,6 +165,12 @@ class MultifieldContact(NoContact):
         self.advance(rank, update, REST)
         self.free.move(self.rigid_bodies, rank.grid, update.t.dt)
 
+    def hold(self, rank: RankState, update: VertexUpdate, field: Field) -> None:
+        """See `NoContact.hold`; what the update has listed is listed for another field, too."""
+        if field is rank.grid.field:
+            self._list(rank, update, False)
+        self.advance(rank, update, WHOLE, field)
+
     def _solve_free(self, rank: RankState, update: VertexUpdate) -> None:
         """Find the velocities of free rigid bodies at the step's end."""
         if self.free is None:
@@ -250,8 +256,8 @@ class MultifieldContact(NoContact):
 
     def _near(self, grid: Grid, population: Population, planes: np.ndarray) -> Order:
         """Find the particles that may have weight on contact vertices, in some of the planes."""
-        order, shared = population.ordered, grid.vertices - 1
-        ranges, extent = self.data.vertex_ranges[planes], grid.window.extent
+        order, extent = population.ordered, grid.window.extent
+        ranges = self.data.vertex_ranges[planes]
         if any(self.scene.domain.periodic):  # also particles at the other side of a seam are near
             return order
         y, z = (ranges["high"].max(axis=0) - ranges["low"].min(axis=0) + 1).tolist()
@@ -259,9 +265,17 @@ class MultifieldContact(NoContact):
             return order
         if len(self._rows) < len(order.rows):
             self._rows = np.empty(len(order.rows) * 9 // 8, np.int32)
-        start = np.empty_like(order.start)
-        self.call(
-            select_near, self.scene.domain.frame, grid.window, population.up_to_date(), order,
-            self.data.vertex_ranges, shared, self._rows, start,
-        )  # fmt: skip
-        return Order(self._rows[: start[-1]], start)
+        return near_vertices(self.call, grid, population, order, self.data, self._rows)
+
+
+def near_vertices(
+    call: Bound, grid: Grid, population: Population, order: Order, contact: Contact,
+    rows: np.ndarray,
+) -> Order:  # fmt: skip
+    """Particles of an order that may have weight on contact vertices, in `rows`, (n,) int32."""
+    start = np.empty_like(order.start)
+    call(
+        select_near, grid.frame, grid.window, population.up_to_date(), order,
+        contact.vertex_ranges, grid.vertices - 1, rows, start,
+    )  # fmt: skip
+    return Order(rows[: start[-1]], start)

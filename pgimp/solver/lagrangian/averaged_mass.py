@@ -2,21 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any, NamedTuple
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 
 from pgimp.decomposition.grid import aligned
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.data.arguments import Field
-from pgimp.kernels.data.particles import FloatArray, IntArray
+from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.grid.image_values import copy_accelerations
 from pgimp.kernels.grid.mirror import fold_forces
-from pgimp.kernels.lagrangian.averaged_mass import NUMBERS, Accelerations, MassRows, average_forces
+from pgimp.kernels.lagrangian.averaged_mass import (
+    NUMBERS,
+    Accelerations,
+    Links,
+    MassRows,
+    average_forces,
+    leave_links,
+)
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.averaging import averaged_parts
 from pgimp.scene.scene import Scene
+from pgimp.solver.lagrangian.bearing import links_at
 from pgimp.solver.lagrangian.mass_rows import find_rows
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.vertices import StepPart, VertexUpdate
@@ -24,19 +32,8 @@ from pgimp.solver.vertices import StepPart, VertexUpdate
 #: Tags of messages with accelerations.
 _UP, _DOWN = 23, 24
 
-#: Part of a new value in the smoothed accelerations by contact.
-_SMOOTH = 0.65
-
 #: Numbers of accelerations that are found and used together: with forces 3 MB.
 _CACHED = 1 << 17
-
-
-class Pushed(NamedTuple):
-    """What contact adds to the accelerations of vertices of all ranks."""
-
-    keys: IntArray  #: (m,) int64: The vertices, ascending, see `reference_grid`.
-    smooth: FloatArray  #: (m, 3) float64: In the last step, smoothed.
-    forecast: FloatArray  #: (m, 3) float64: In the next one.
 
 
 class AveragedMass(StepPart):
@@ -44,8 +41,8 @@ class AveragedMass(StepPart):
 
     While a run comes to rest the lumped mass is enough.
 
-    Contact acts later in a step. Accelerations have a forecast of what it will add, from the steps
-    before: what rests on another body stays in equilibrium.
+    Contact acts later in a step: vertices that it has moved in the last one keep the lumped mass,
+    see `pgimp.solver.lagrangian.bearing`.
 
     Attributes
     ----------
@@ -62,7 +59,11 @@ class AveragedMass(StepPart):
         #: and accelerations, too.
         self._arguments: tuple[Any, ...] = ()
         self._left = self._streams = False
-        self._contact = Pushed(np.empty(0, np.int64), *np.empty((2, 0, 3)))
+        #: (m,) int64: Vertices that contact moves, ascending, see `reference_grid`; which slaves
+        #: move with these, and their links, once they are found.
+        self._bearing = np.empty(0, np.int64)
+        self._slaves = np.empty(0, bool)
+        self._links: Links | None = None
 
     @property
     def lumped(self) -> np.ndarray:
@@ -77,13 +78,13 @@ class AveragedMass(StepPart):
         frame, field, reach = domain.frame, grid.field, grid.vertices - 1
         half = grid.window.stride[0] // 2
         if self._known is not field:
-            self._known, self._rows = field, find_rows(rank, self.alpha)
+            self._known, self._rows, self._links = field, find_rows(rank, self.alpha), None
             self._buffer = aligned(half)
         mirrors = *domain.absorbing_mirrors, *domain.mirrors
         images = *domain.seams, *sorted(mirrors, key=lambda each: each.releases)  # as sums fold
         acts, slaves = rank.grips and rank.grips.acts, rank.slaves
         self._left = rank.contact.by_planes and not (images or slaves)
-        pressed = rank.contact.bears and needed(len(self._contact.keys))
+        pressed = rank.contact.bears and needed(len(self._bearing))
         self._streams = self._left and not (acts or pressed or rank.slab.neighbours)
         forcing, setting = update.forcing, (frame, field, update.faces)
         self._arguments, self._scratch = (*setting, forcing), np.empty((len(domain.faces), 3))
@@ -97,11 +98,6 @@ class AveragedMass(StepPart):
             forcing = forcing._replace(marked=(constraints, *forcing.marked[1:]))
             self._arguments = *setting, forcing
         rank.call(average_forces, *self._arguments, accelerations, rows, every, none)
-        if pressed:
-            from pgimp.kernels.contact.lagrangian.reference_grid import add_accelerations
-
-            keys, _, forecast = self._contact
-            rank.call(add_accelerations, frame, field, keys, forecast, A, reach)
         if slaves:
             own = A[reach * half : (reach + grid.planes) * half]
             masters = slaves.spread(rank, own, 1, NUMBERS)
@@ -110,10 +106,33 @@ class AveragedMass(StepPart):
         self._exchange(rank, reach)
         if not self._left:
             rank.call(average_forces, *self._arguments, accelerations, rows, none, every)
+        if pressed:
+            self._links = self._links or self._find_links(rank, images, reach)
+            rank.call(leave_links, field, self._links, A)
         for each in images:
             rank.call(fold_forces, frame, field, each, forcing.dt, update.ledger)
         if slaves:
-            slaves.fold_averages(rank, self.alpha, masters)
+            slaves.fold_averages(rank, self.alpha, masters, self._slaves)
+
+    def _find_links(self, rank: RankState, images: Sequence[Any], reach: int) -> Links:
+        """Find the links that end at vertices that contact moves, and these slaves; collective."""
+        from pgimp.kernels.contact.lagrangian.reference_grid import add_accelerations
+
+        frame, field, keys = self.scene.domain.frame, rank.grid.field, self._bearing
+        slaves, kept = rank.slaves, self._values
+        first = reach * (rank.grid.window.stride[0] // RECORD)
+        self._values = np.zeros_like(kept)  # marks go the way of accelerations
+        ones, marks = np.ones((len(keys), 3)), self._values.reshape(-1, NUMBERS)
+        rank.call(add_accelerations, frame, field, keys, ones, self._values, reach)
+        if slaves:
+            self._slaves = slaves.led_by(rank, marks[first:].any(axis=1))
+            marks[first + slaves.records(rank, self._slaves)] = 1.0
+        for each in reversed(images):
+            rank.call(copy_accelerations, frame, field, each, self._values, reach)
+        self._exchange(rank, reach)
+        self._values = kept
+        assert self._rows
+        return links_at(self._rows, np.flatnonzero(marks.any(axis=1)), reach, rank.grid.window)
 
     def by_planes(self, rank: RankState) -> Iterator[np.ndarray]:
         """Average forces that `add_forces` has left; yield which planes may then be updated.
@@ -155,34 +174,21 @@ class AveragedMass(StepPart):
         return Accelerations(self._values, first, self._scratch, self._buffer)
 
     def book(self, rank: RankState, update: VertexUpdate) -> None:
-        """Forecast what contact adds to accelerations in the next step.
-
-        The last value alone would lag by a step, and feed what rests on another body with energy.
-        The line through the last two would make light vertices unstable. So values are drawn
-        towards their forecast first; that is stable up to an alpha of 1.05.
-        """
-        keys, now = np.empty(0, np.int64), np.empty((0, 3))
+        """Keep which vertices contact moves."""
+        keys = np.empty(0, np.int64)
         if changes := rank.contact.changes:
-            moved = np.flatnonzero(changes.velocities.any(axis=1))
-            moved = moved[changes.keys[moved].argsort()]
-            keys, now = changes.keys[moved], changes.velocities[moved] / update.t.dt
-        contact = Pushed(keys, now, now.copy())
-        before, known = self._contact, np.isin(keys, self._contact.keys, assume_unique=True)
-        there = np.searchsorted(before.keys, keys[known])
-        contact.smooth[known] = _SMOOTH * now[known] + (1.0 - _SMOOTH) * before.forecast[there]
-        contact.forecast[known] = 2.0 * contact.smooth[known] - before.smooth[there]
-        self._contact = contact
+            keys = np.sort(changes.keys[changes.velocities.any(axis=1)])
+        if not np.array_equal(keys, self._bearing):
+            self.restore(keys)
 
     @property
     def state(self) -> np.ndarray:
-        """What contact does, for checkpoints: (m, 7) float64."""
-        keys, smooth, forecast = self._contact
-        return np.concatenate([keys[:, None].view(np.float64), smooth, forecast], axis=1)
+        """The vertices that contact moves, for checkpoints: (m,) float64, the bits of int64."""
+        return self._bearing.view(np.float64)
 
     def restore(self, state: np.ndarray) -> None:
-        """Continue with the `state` of a checkpoint."""
-        keys, smooth, forecast = (np.ascontiguousarray(a) for a in np.split(state, (1, 4), axis=1))
-        self._contact = Pushed(keys[:, 0].view(np.int64), smooth, forecast)
+        """Continue with the vertices of a checkpoint, (m,) int64."""
+        self._bearing, self._links, self._slaves = state, None, np.empty(0, bool)
 
     def _exchange(self, rank: RankState, reach: int) -> None:
         """Get the accelerations of planes that only the neighbours have; collective."""

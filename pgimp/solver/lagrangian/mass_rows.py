@@ -90,7 +90,8 @@ def _whole_cells(
     D, frame, method = scene.dimension, scene.domain.frame, scene.case.method
     fields, y, z = _plane(rank)
     found, cell = np.zeros((rank.slab.layers, fields, y, z)), np.zeros(len(rows), np.int64)
-    if D == 1 or not method.in_cell or scene.case.axisymmetric:
+    wide = not (method.in_cell or scene.settings.mixed)
+    if D == 1 or wide or scene.case.axisymmetric:
         return found, cell
     per_cell = np.array(method.particles_per_cell)
     xi = (p.origin[rows] - np.array(frame.origin)) * np.array(frame.inverse)

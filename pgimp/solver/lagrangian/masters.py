@@ -191,11 +191,14 @@ def choose_masters(
         for axis, number, _ in vertices.faces:
             on = place[axis][some] == number
             score += _OFF_FACE * (on[:, None] & (np.abs(firsts[:, axis] + 0.5) > 1.0))
+        for axis, number, _ in vertices.faces:  # beyond it are images
+            on = place[axis][some] == number
+            volume[on] *= 1.0 + (steps[:, axis] != 0)
         inward = np.zeros((len(around), D))
         for d in range(D):
             for column in np.flatnonzero(near):
                 inward[:, d] += volume[:, column] * steps[column, d]
-        for axis, number, _ in vertices.faces:  # beyond it are images
+        for axis, number, _ in vertices.faces:
             inward[place[axis][some] == number, axis] = 0.0
         size = np.sqrt((inward * inward).sum(axis=1))
         inward /= np.where(size > 0.0, size, 1.0)[:, None]

@@ -243,7 +243,9 @@ class Slaves(StepPart):
         records = rank.grid.G.reshape(-1, RECORD)
         records[rows.copies[:, 1]] = records[rows.copies[:, 0]]
 
-    def fold_averages(self, rank: RankState, alpha: np.ndarray, known: np.ndarray) -> None:
+    def fold_averages(
+        self, rank: RankState, alpha: np.ndarray, known: np.ndarray, lumped: np.ndarray
+    ) -> None:
         """Add what the averaged mass takes from slaves to their masters' forces; collective.
 
         Parameters
@@ -252,13 +254,17 @@ class Slaves(StepPart):
             Part of the consistent mass by body.
         known : (m, 3) float64
             The masters' accelerations, from `spread`.
+        lumped : (n,) bool or (0,)
+            Slaves whose masters keep the lumped mass.
         """
         if not needed(len(self.keys)):
             return
-        rows = self.located(rank)
+        rows, mass = self.located(rank), np.asarray(alpha @ self.own)
+        if len(lumped):
+            mass[lumped] = 0.0
         rank.call(
-            fold_averages, rank.grid.G, FORCE, self._forces(rank, rows),
-            np.asarray(alpha @ self.own), known, self.of, self.weights, rows.masters,
+            fold_averages, rank.grid.G, FORCE, self._forces(rank, rows), mass, known,
+            self.of, self.weights, rows.masters,
         )  # fmt: skip
         self._leave(rank, rows)
 
@@ -331,6 +337,19 @@ class Slaves(StepPart):
             np.add.at(sums[..., ANGULAR + d], (layer, bodies), about)
         square = v[:, 0] * v[:, 0] + v[:, 1] * v[:, 1] + v[:, 2] * v[:, 2]
         np.add.at(sums[..., KINETIC], (layer, bodies), 0.5 * mass * square)
+
+    def led_by(self, rank: RankState, marked: np.ndarray) -> np.ndarray:
+        """Whether slaves have masters among marked records of any rank, (n,) bool; collective."""
+        masters = self.located(rank).masters
+        found = self.comm.allgather((masters >= 0) & marked[masters])
+        return np.asarray(np.any(found, axis=0)[self.of].any(axis=1))
+
+    def records(self, rank: RankState, some: np.ndarray) -> np.ndarray:
+        """Numbers of the records of some slaves that the rank has; collective as `spread`."""
+        rows = self.located(rank)
+        found, low = rows.slaves[some], rows.copies[:, 0]
+        found = found[found >= 0]
+        return np.concatenate([found, rows.copies[np.isin(low, found), 1]])
 
     def _places(self, rank: RankState, keys: np.ndarray) -> np.ndarray:
         """Coordinates of vertices in the initial state, (n, 3)."""

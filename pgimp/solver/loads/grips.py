@@ -94,6 +94,13 @@ class Grips(StepPart):
             for one, way in zip(constraints, self.controls == 1, strict=True)
         )
 
+    def current(self, constraints: tuple[Constraint, ...]) -> tuple[Constraint, ...]:
+        """Constraints with the velocities of the grips at the step's beginning."""
+        return tuple(
+            _with(one, way, tuple(state[VELOCITY].tolist()), (0.0,) * 3)
+            for one, way, state in zip(constraints, self.controls == 1, self.state, strict=True)
+        )
+
     def find(self, rank: RankState, update: VertexUpdate) -> tuple[Constraint, ...]:
         """Find the velocities of the grips in a step; return all constraints; collective."""
         moved = self.controls == 1

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 #: Datasets of a checkpoint.
 FIELDS, FORCES, SEARCH = "velocity-fields", "contact-forces", "contact-search"
 LOADS = "contact-loads"
-PUSHED = "contact-accelerations"
+BEARING = "contact-vertices"
 
 #: Columns of the forces that are whole numbers, of vertices and bodies, and their bound.
 _NUMBERS, _GREATEST = 5, 2.0**52
@@ -56,10 +56,10 @@ def stored_contact(rank: Rank, source: CheckpointFile, read: Callable) -> dict[s
         found[LOADS] = read(source, LOADS, shape)
         if found[LOADS][0, 0] < 0.0:
             raise DamagedError("the time of its loads on surfaces is none")
-    if rank.averaged_mass and PUSHED in source.whole:
-        found[PUSHED] = read(source, PUSHED, (*source.whole[PUSHED][1][:1], 7))
-        if (np.ascontiguousarray(found[PUSHED][:, 0]).view(np.int64) < 0).any():
-            raise DamagedError("its accelerations by contact are at no vertices")
+    if rank.averaged_mass and BEARING in source.whole:
+        found[BEARING] = read(source, BEARING, source.whole[BEARING][1]).view(np.int64)
+        if (np.diff(found[BEARING], prepend=-1) <= 0).any():
+            raise DamagedError("what contact moves are no vertices")
     return found
 
 
@@ -73,5 +73,5 @@ def restore_contact(rank: Rank, found: dict[str, np.ndarray]) -> None:
         rank.contact.restore_search(found[SEARCH])
     if LOADS in found:
         rank.contact.restore_loads(found[LOADS])
-    if PUSHED in found:
-        rank.averaged_mass.restore(found[PUSHED])
+    if BEARING in found:
+        rank.averaged_mass.restore(found[BEARING])

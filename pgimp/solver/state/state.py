@@ -18,7 +18,7 @@ from pgimp.solver.damping.relaxation import Relaxation
 from pgimp.solver.history.diagnostics import Diagnostics
 from pgimp.solver.lagrangian.pieces import source_at
 from pgimp.solver.rank import Rank
-from pgimp.solver.state.contact import FIELDS, FORCES, LOADS, PUSHED, SEARCH
+from pgimp.solver.state.contact import BEARING, FIELDS, FORCES, LOADS, SEARCH
 from pgimp.solver.state.stored_motion import MOTION, MOTION_PLANES, stored_motion
 from pgimp.solver.time.clock import CourantClock, FixedClock, Step
 from pgimp.solver.time.energy_watch import EnergyWatch
@@ -241,7 +241,7 @@ def capture(
     if rank.grips:
         whole["grips"] = rank.grips.state
     if rank.averaged_mass:
-        whole[PUSHED] = rank.averaged_mass.state
+        whole[BEARING] = rank.averaged_mass.state
     if rank.absorbing:
         whole |= rank.absorbing.datasets()
     whole[FIELDS] = rank.contact.assignment

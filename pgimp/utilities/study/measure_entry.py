@@ -6,8 +6,9 @@ from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, Field, StringConstraints, model_validator
 
-from pgimp.schema.base import Model, NonNegative, Number, Positive, one_line
+from pgimp.schema.base import Model, Number, one_line
 from pgimp.schema.dispatch import Either
+from pgimp.schema.instants import AT, At, label_of, last_of
 from pgimp.schema.problems import Problem, raise_problems
 
 LIMIT = "limit"
@@ -18,37 +19,11 @@ Text = Annotated[
 ]
 
 
-class TimeMean(Model):
-    """A mean over time."""
-
-    mean: tuple[NonNegative, Positive] = Field(
-        description="simulated times between which a column is averaged, by the trapezoidal rule "
-        "over the lines [time]"
-    )
-
-    @model_validator(mode="after")
-    def _ordered(self) -> Self:
-        if not self.mean[0] < self.mean[1]:
-            text = f"expected a time after {self.mean[0]:.15g}, got {self.mean[1]:.15g}"
-            raise_problems("mean", [Problem(("mean", 1), text)])
-        return self
-
-
 class Measure(Model):
     """A number taken from the history of a run."""
 
     column: Text = Field(description="a column of history.csv")
-    at: Annotated[
-        str | float | TimeMean,
-        Either(
-            "end, max, a time or {mean: [FROM, TO]}",
-            {str: Literal["end", "max"], float: NonNegative, dict: TimeMean},
-        ),
-    ] = Field(
-        default="end",
-        description="end: the last line; max: the largest of all lines; a number: the first line "
-        "at or after that simulated time; {mean: [1.0, 2.0]}: the mean between two times",
-    )
+    at: At = Field(default="end", description=AT)
     reference: Annotated[
         float | str, Either("a number or limit", {float: Number, str: Literal["limit"]})
     ] = Field(
@@ -71,15 +46,12 @@ class Measure(Model):
     @property
     def label(self) -> str:
         """Name in tables."""
-        if isinstance(self.at, TimeMean):
-            return f"{self.column}@{self.at.mean[0]:g}..{self.at.mean[1]:g}"
-        return self.column if self.at == "end" else f"{self.column}@{self.at}"
+        return f"{self.column}{label_of(self.at)}"
 
     @property
     def last(self) -> float:
         """Last time that it needs; 0 if any end will do."""
-        at = self.at.mean[1] if isinstance(self.at, TimeMean) else self.at
-        return at if isinstance(at, float) else 0.0
+        return last_of(self.at)
 
 
 AnyMeasure = Annotated[

@@ -8,8 +8,9 @@ from math import isfinite, log
 
 import numpy as np
 
+from pgimp.schema.instants import TimeMean
 from pgimp.schema.messages import unknown
-from pgimp.utilities.study.measure_entry import Measure, TimeMean
+from pgimp.utilities.study.measure_entry import Measure
 
 SAME_TIME = 1e-9
 """Relative to the time that is asked for."""

@@ -8,8 +8,9 @@ import io
 from collections.abc import Iterable, Iterator, Sequence
 
 from pgimp.running.progress import duration
+from pgimp.schema.instants import TimeMean
 from pgimp.utilities.study.limits import Limit, limit
-from pgimp.utilities.study.measure_entry import LIMIT, TimeMean, measure_of
+from pgimp.utilities.study.measure_entry import LIMIT, measure_of
 from pgimp.utilities.study.measures import number, orders, pareto
 from pgimp.utilities.study.plan import Plan
 from pgimp.utilities.study.runs import DONE, FAILED, Outcome

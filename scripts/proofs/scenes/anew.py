@@ -1,7 +1,6 @@
 """Contact that keeps nothing from step to step and leaves nothing out, for comparisons of bits.
 
-A run whose communicator has `anew` searches all particles and selects vertices in every step. It
-keeps vertices that cannot be filled enough, and takes all rows of vertices for used.
+A run whose communicator has `anew` takes all rows of vertices for used.
 """
 
 import numpy as np
@@ -12,14 +11,9 @@ _EVERY = (1 << 63) - 1
 
 def prepare():
     """Let runs in this process do so if their communicator says so."""
-    from pgimp.solver.contact.lagrangian.broad_phase import BroadPhase
-    from pgimp.solver.contact.lagrangian.selection import Selector
     from pgimp.solver.contact.multifield import MultifieldContact
     from pgimp.solver.vertex_sums import VertexSums
 
-    _wrap(BroadPhase, "update", _search)
-    _wrap(Selector, "lasts", _lasts)
-    _wrap(Selector, "_possible", _possible)
     _wrap(MultifieldContact, "assign_fields", _clear)
     _wrap(MultifieldContact, "_list", _list)
     _wrap(VertexSums, "add", _add)
@@ -34,20 +28,6 @@ def _wrap(owner, name, replacement):
         return usual(self, *args, **named)
 
     setattr(owner, name, method)
-
-
-def _search(phase, usual, *args, **named):
-    phase.restart()
-    return usual(phase, *args, **named)
-
-
-def _lasts(selector, usual, *args):
-    usual(selector, *args)
-    return False
-
-
-def _possible(selector, usual, table, motion, patches, *rest):
-    return np.argsort(patches.keys)
 
 
 def _clear(contact, usual, rank):

@@ -10,7 +10,7 @@ from pgimp.kernels.step.momentum import REST
 from pgimp.solver import particle_groups, transfers
 from pgimp.solver import step as stepping
 from pgimp.solver.contact import base
-from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact
+from pgimp.solver.contact.surfaces.contact import SurfaceContact
 from pgimp.solver.particle_groups import groups_of
 
 #: Of a free vertex's velocity; what differs by more is held.
@@ -33,7 +33,7 @@ class Seen:
     def step(self):
         """Look at the vertices in the one step that is done meanwhile."""
         sum_particles, update = stepping.sum_particles, base.update_momentum
-        take, exchange = particle_groups.grid_to_particles, LagrangianContact.exchange
+        take, exchange = particle_groups.grid_to_particles, SurfaceContact.exchange
         self.held = None
 
         def summed(rank, groups, loads, marked):
@@ -72,7 +72,7 @@ class Seen:
             mock.patch.object(base, "update_momentum", updated),
             mock.patch.object(base.NoContact, "by_planes", False),  # all forces come first
             mock.patch.object(particle_groups, "grid_to_particles", taken),
-            mock.patch.object(LagrangianContact, "exchange", exchanged),
+            mock.patch.object(SurfaceContact, "exchange", exchanged),
         ):
             yield
 

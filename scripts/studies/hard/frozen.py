@@ -14,7 +14,7 @@ from studies.harness import Table, put
 from studies.scenes import ball, box, by_id, core, finished
 
 from pgimp.errors import RunError
-from pgimp.kernels.contact.lagrangian.supports import Supports, find_supports, local_vertices
+from pgimp.kernels.transfer.first_vertex import first_vertex
 
 #: A ball that flies at a plate which yields by some cells.
 STEEL = {
@@ -82,13 +82,16 @@ def gradients(case, scene, x, F):
     half = np.broadcast_to(np.array(shape.half), (len(x), 2))
     if scene.settings.follows:
         half = np.minimum(np.sqrt(((F * (half[0] * cell)) ** 2).sum(axis=2)) / cell, 1.0)
-    local = local_vertices(shape.vertices(), 2)
-    supports = Supports.empty(len(x), local, scene.case.axisymmetric)
-    find_supports(shape, scene.domain.frame, np.ascontiguousarray(half), x, supports)
-    one, two, _ = local.T
-    w, g = supports.w, supports.g
+    n, frame = shape.vertices(), scene.domain.frame
+    local = np.array([*np.ndindex(n, n)])
+    first, w, g = np.empty((len(x), 2), int), *np.empty((2, len(x), 2, n))
+    for i, d in np.ndindex(len(x), 2):
+        first[i, d] = first_vertex(frame, d, half[i, d], x[i, d])
+        f = (x[i, d] - frame.origin[d]) / cell[d] - (first[i, d] - frame.ghost)
+        w[i, d], g[i, d] = type(shape).weights(shape, half[i, d], f)
+    one, two = local.T
     slopes = [g[:, 0, one] * w[:, 1, two] / cell[0], w[:, 0, one] * g[:, 1, two] / cell[1]]
-    at = supports.first[:, None, :2] + local[None, :, :2]
+    at = first[:, None] + local[None]
     at -= at.min(axis=(0, 1))
     return at[..., 0] * (at[..., 1].max() + 1) + at[..., 1], np.stack(slopes, axis=-1)
 

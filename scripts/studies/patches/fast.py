@@ -1,7 +1,7 @@
 """Bodies that meet fast: whether energy and momentum stay, and whether they cross."""
 
 import numpy as np
-from studies.patches.hard import watched
+from studies.patches.hard import greatest, watched
 from studies.patches.impacts import SOLID, C, energy, exact
 from studies.patches.pressed import turned
 from studies.scenes import ball, box, case_of, core
@@ -23,7 +23,7 @@ def fast(R=6.0, v=0.15, shape="disk"):
     scale = first["body.a.momentum-x"]
     return {
         "depth": round(deepest, 4), "energy": round(energy(lines[-1]) / energy(first), 4),
-        "most": round(max(energy(line) for line in lines) / energy(first), 6),
+        "most": round(greatest(lines) / energy(first), 6),
         "a": lines[-1]["body.a.momentum-x"] / scale,
         "momentum": abs(lines[-1]["momentum-x"] - first["momentum-x"]) / scale,
         "spin": abs(L) / (scale * R),

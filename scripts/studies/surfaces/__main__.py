@@ -193,8 +193,8 @@ def main():
                 texts = []
                 for surface in BOTH:
                     found = [measure(radius, each, surface) for each in at_surfaces.OFFSETS]
-                    own, there, error, errors = np.max(found, axis=0)
-                    texts += [f"{own:.2f}; {error:.3f}", f"{there:.2f}; {errors:.3f}"]
+                    own, there, wrong, off = np.max(found, axis=0)
+                    texts += [f"{own:.2f}; {wrong:.3f}", f"{there:.2f}; {off:.3f}"]
                 table.add(f"{words}: radius {radius} cells", *texts)
         print(table.text())
         table = Table("stress at the top of a bent beam over the exact one", *titles[1:])

@@ -1,18 +1,15 @@
 """Averaged mass: frequencies against exact ones, what lasts, and what it is refused with."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
-from scenes import BAR, box, energy, scene, start
+from scenes import BAR, SOFT, box, energy, scene, start
 from tiers import wide
 
 from pgimp.case.schema import Case
-from pgimp.kernels.contact.lagrangian.reference_grid import Changes
 from pgimp.kernels.data.motion import KEPT_MASS, KEPT_VELOCITY
 from pgimp.solver.contact.base import NoContact
+from pgimp.solver.contact.surfaces.table import bits_of
 from pgimp.solver.lagrangian import averaged_mass, mass_rows
-from pgimp.solver.lagrangian.averaged_mass import AveragedMass
 
 pytestmark = pytest.mark.slow(60)
 
@@ -231,27 +228,75 @@ def test_a_bar_stands_on_another():
     assert line["kinetic-energy"] < 1e-8 * strained
 
 
-def test_forces_of_contact_are_forecast_without_a_lag():
-    """Of a ramp the next value, to rounding; of what has gone nothing; the same from a file."""
-    part, slope = AveragedMass(None, np.array([0.4])), np.array([2.0, -1.0, 0.5])
+def two_blocks(D, mass, shift=0.0):
+    """Blocks that do not meet, whose vertices have velocities of their own."""
+    size, laws = [4.0, 3.0, 3.0][:D], [{"bodies": "all"}]
+    bodies = {
+        name: initial([x + shift] * D, [x + shift + s for s in size])
+        for name, x in (("low", 2.0), ("high", 8.0))
+    }
+    sim = start(solid(D, bodies, [14, 13, 13][:D], mass, contact=laws))
+    values, rng = vertices(sim)[0], np.random.default_rng(5)
+    v = 1e-3 * rng.normal(size=(*values.shape[:-1], D))
+    values[..., KEPT_VELOCITY : KEPT_VELOCITY + D] = v * (values[..., KEPT_MASS, None] > 0.0)
+    if sim.rank.slaves:
+        sim.rank.slaves.spread(sim.rank, sim.rank.grid.kept.values, KEPT_VELOCITY)
+    sim.advance()  # by which they are displaced
+    return sim
 
-    def book(keys, value, one=part):
-        changes = Changes(np.array(keys), 0.1 * np.outer(np.ones(len(keys)), value), None)
-        rank = SimpleNamespace(contact=SimpleNamespace(changes=changes))
-        one.book(rank, SimpleNamespace(t=SimpleNamespace(dt=0.1)))
 
-    for n in range(1, 60):
-        book([9, 4] if n % 2 else [4, 9], n * slope)
-    keys, _, forecast = part._contact
-    assert keys.tolist() == [4, 9]
-    np.testing.assert_allclose(forecast, 60 * np.array([slope, slope]), rtol=1e-12)
-    other = AveragedMass(None, np.array([0.4]))
-    other.restore(part.state)
-    book([9, 5], slope)
-    book([9, 5], slope, other)
-    assert part.state.tobytes() == other.state.tobytes()
-    assert part._contact.keys.tolist() == [5, 9]
-    np.testing.assert_allclose(part._contact.forecast[0], slope, rtol=1e-15)
+@pytest.mark.parametrize("shift", [0.0, 0.97])
+@pytest.mark.parametrize("D", [2, wide(3)])
+def test_what_contact_moves_has_lumped_mass(D, shift):
+    """Vertices as with lumped mass, those farther away as ever; momentum is the same."""
+    at = [4] * D
+    found = []
+    for mass, marked in (("lumped", False), ("averaged", False), ("averaged", True)):
+        sim = two_blocks(D, mass, shift)
+        frame, part = sim.scene.domain.frame, sim.rank.averaged_mass
+        if marked:
+            number = [*(frame.ghost + np.array(at)), 0, 0][:3]
+            key = int(number[0])
+            fields = 1 + max(sim.rank.grid.fields, default=0)
+            for n, bits in zip((*number[1:], 0), bits_of(frame, fields), strict=True):
+                key = (key << bits) + int(n)
+            part.restore(np.array([key]))
+        sim.advance()
+        found.append(vertices(sim)[0].copy())
+    x = vertices(sim)[1]
+    away = np.max([np.abs(x[d] - at[d]) for d in range(D)], axis=0)[..., None]
+    lumped, whole, left = (each[..., KEPT_VELOCITY : KEPT_VELOCITY + D] for each in found)
+    own, m = np.broadcast_to(away == 0.0, left.shape), found[0][..., KEPT_MASS]
+    assert np.abs(whole - lumped)[own].max() > 1e-6
+    np.testing.assert_allclose(left[own], lumped[own], rtol=1e-13)
+    far = np.broadcast_to(away > 3.0, left.shape)
+    np.testing.assert_array_equal(left[far], whole[far])
+    assert np.abs(left - whole)[~far].max() > 1e-6
+    for d in range(D):
+        assert (m * left[..., d]).sum() == pytest.approx((m * lumped[..., d]).sum(), rel=1e-12)
+
+
+def test_a_pile_rests_in_long_steps():
+    """With what contact adds forecast from the steps before it shook itself up."""
+
+    bodies = {
+        f"b{n}": initial([2.37 + 0.6 * n, 5.0 * n], [10.37 - 0.4 * n, 5.0 * n + 5.0])
+        for n in range(3)
+    }
+    case = solid(2, bodies, [13, 17], "averaged", gravity=[0.0, -0.02],
+                 boundaries={"y-min": "fixed"}, contact=[{"bodies": "all", "friction": 0.3}],
+                 start={"settle": {"tolerance": 1e-4}})  # fmt: skip
+    case["materials"]["soft"] = SOFT
+    case["time"]["step"] = {"courant": "auto"}
+    sim = start(case)
+    while sim.scene.domain.settling:
+        sim.advance()
+    first = sim.diagnostics()
+    for _ in range(1000):
+        sim.advance()
+    line = sim.diagnostics()
+    assert line["strain-energy"] == pytest.approx(first["strain-energy"], rel=1e-2)
+    assert line["kinetic-energy"] < 1e-3 * first["strain-energy"]
 
 
 def test_rest_takes_the_energy_of_this_mass():

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from pgimp.case.body import may_be_exact
 from pgimp.case.checks.exclusions.feature import Feature, Place, named, of_bodies, of_key
 from pgimp.geometry.regions import REGIONS, Box, Points
 from pgimp.physics.loads.motion import RigidMotion
@@ -51,6 +50,9 @@ of_points = of_key("points (`mpm`)", "method.shape", lambda method: method.is_po
 not_separable = of_key("`cpdi-corners`", "method.shape", lambda method: not method.separable)
 initial_volume = of_key("`volume: initial`", "method.volume", lambda method: not method.tracked)
 mean = of_key("mean dilatation", "method.volumetric", lambda method: method.volumetric == "mean")
+ordered = of_key(
+    "`stress: average` and `last-mapped`", "method.stress", lambda method: method.stress != "last"
+)
 one_particle = Feature(
     "one particle along two or three directions of a cell",
     lambda method: (
@@ -192,13 +194,11 @@ def _meetings(bodies: Any, rigid_bodies: Any, boundaries: Any, contact: Any) -> 
 
 
 meetings = Feature("contact, also with rigid bodies and between configurations", _meetings)
-meetings_at_vertices = Feature(
-    "contact, rigid bodies, separating walls for bodies in the initial configuration, unless all "
-    "are exact to their surface",
-    lambda bodies, rigid_bodies, boundaries, contact, method: (
-        Place(("bodies", name, "configuration"), name)
-        for _ in _meetings(bodies, rigid_bodies, boundaries, contact)
-        if not all(may_be_exact(bodies, method))
-        for name in some_initial(bodies)
+meetings_by_surfaces = Feature(
+    "contact, rigid bodies, separating walls, if all bodies are in the initial configuration",
+    lambda bodies, rigid_bodies, boundaries, contact: (
+        place
+        for place in _meetings(bodies, rigid_bodies, boundaries, contact)
+        if len(some_initial(bodies)) == len(bodies)
     ),
 )

@@ -57,6 +57,15 @@ SCENES = (
     Exclusion(f.mean, f.no_boxes,
         "mean is for particles that are boxes, whose parts in cells are known; {b.name} are none:",
         "take shape: gimp, finite-gimp or cpdi, or leave it out (pointwise)"),
+    Exclusion(f.ordered, f.all_initial,
+        "is for the current configuration; in the initial one, as of '{b.name}', vertices keep "
+        "their velocities, and steps lose no energy:", "leave it out (last)"),
+    Exclusion(f.ordered, f.mixed,
+        "is for bodies that are all in the current configuration, but {b.name}",
+        "leave it out (last)"),
+    Exclusion(f.ordered, f.free_rigid,
+        "the velocities of '{b.name}', which moves freely, follow from those of vertices before "
+        "they are mapped", "give it a motion, rigid: {{velocity: ..}}, or leave this out (last)"),
     # The initial configuration.
     Exclusion(f.one_particle, f.initial_on_lattice,
         "bodies in the initial configuration, as '{b.name}', have hourglass modes with one "
@@ -109,12 +118,14 @@ SCENES = (
             (f.points, "needs a surface, and '{b.name}', of particles from a file, has none"),
         )
     ),
+    # What is wider than cells moves more than the surface of a body.
+    Exclusion(f.beyond_cells, f.meetings_by_surfaces,
+        "{a.name} reach beyond the surfaces by which all bodies here meet ({b.name}):",
+        "take gimp; in the initial configuration it is as accurate for its cost"),
     # Periodic faces.
-    Exclusion(f.meetings_at_vertices, g.periodic,
-        _PERIODIC + "where bodies in the initial configuration meet others, rigid bodies and "
-        "separating walls by their own surfaces only",
-        "take surface: cut for all bodies, in a shape no wider than cells, or configuration: "
-        "current"),
+    Exclusion(f.mixed, g.periodic,
+        _PERIODIC + "across which only bodies of one configuration meet; {a.name}",
+        "give all bodies the same, configuration: current or initial"),
     Exclusion(f.initial_not_uniform, g.periodic,
         _PERIODIC + "where the vertices of bodies in the initial configuration begin at one "
         "velocity, [..]", "take configuration: current"),

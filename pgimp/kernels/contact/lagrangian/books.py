@@ -11,7 +11,6 @@ from pgimp.kernels.contact.lagrangian.reference_grid import (
     OF_VELOCITY_BEFORE,
     key_bits,
     offset_of_key,
-    turns,
 )
 from pgimp.kernels.data.ledger import (
     CONTACT_AREA,
@@ -80,25 +79,6 @@ def _book_areas(contact_pairs, walls, ledger):
                 break
 
 
-@kernel
-def book_mirrored(contact_pairs, coupling, mirrors, ledger):
-    """Book the mirrors' share of the exchanged impulses, in the first plane, as `book_contacts`.
-
-    An impulse on a vertex beyond a mirror acts on its image. The component across the mirror, or
-    every one, is reversed: the face gives twice the reversed part.
-    """
-    for k in range(len(contact_pairs.ends)):
-        for side in range(2):
-            r, sign = contact_pairs.ends[k].rows[side], 2.0 * side - 1.0
-            if r < 0:
-                continue
-            for n in range(len(mirrors)):
-                for d in range(3):
-                    if turns(mirrors, n, d):
-                        turned = coupling.beyond[r, n, d] * impulse_of(contact_pairs.states[k], d)
-                        ledger.impulse[0, mirrors[n].face, d] -= 2.0 * sign * turned
-
-
 @inlined
 def _load_before(contact, rigid_bodies, end, coupling, values):
     """Load the velocities before the step of a pair's ends that are no rigid bodies."""
@@ -111,9 +91,8 @@ def _load_before(contact, rigid_bodies, end, coupling, values):
         r = max(end.rows[a], 0)
         for k in range(coupling.start[r], coupling.start[r + 1] if end.rows[a] >= 0 else 0):
             for d in range(3):
-                entry = coupling.entry[k, d if coupling.entry.shape[1] > 1 else 0]
                 before = values[coupling.column[k], OF_VELOCITY_BEFORE + d]
-                field.velocity_before[d] += entry * before
+                field.velocity_before[d] += coupling.entry[k, 0] * before
 
 
 @kernel

@@ -1,17 +1,15 @@
-"""Contact of bodies in the initial configuration: projected Gauss-Seidel over all vertices.
+"""Contact of bodies in the initial configuration: projected Gauss-Seidel over all pairs.
 
-The velocity at a vertex i of the domain's grid follows from the vertices j of a body's reference
-grid, through the particles around i:
+The velocity w at a pair follows from those of the vertices j that move the body there:
 
     w_i = sum_j B_ij v_j,
 
-with B from current and reference weights (`pgimp.kernels.contact.lagrangian.coupling`). A body in
-the current configuration has vertex i itself, B_ij = 1 for j = i. An impulse J_i changes v_j by
-B_ij J_i/m_j, and the body's power by J_i . w_i. So momentum is conserved exactly, and angular
-momentum up to the difference between the two grids. An impulse also moves neighbouring vertices,
-the more the two weights smooth it. So impulses are solved together: sweeps over all candidate
-pairs, each with its true inverse mass sum_j B_ij^2/m_j. Impulses accumulate, and the law holds for
-the accumulated impulses (projected Gauss-Seidel). One rank does the sweeps for all.
+with the weights of a patch (`pgimp.kernels.contact.surfaces.rows`). A body in the current
+configuration has vertex i itself, B_ij = 1 for j = i. An impulse J_i changes v_j by B_ij J_i/m_j,
+and the body's power by J_i . w_i. So momentum is conserved exactly. An impulse also moves
+neighbouring pairs. So impulses are solved together: sweeps over all pairs, each with its true
+inverse mass sum_j B_ij^2/m_j. Impulses accumulate, and the law holds for the accumulated impulses
+(projected Gauss-Seidel). One rank does the sweeps for a group.
 """
 
 from math import sqrt

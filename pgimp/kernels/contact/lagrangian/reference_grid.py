@@ -17,10 +17,8 @@ from pgimp.kernels.data.velocity_fields import field_count, field_size
 from pgimp.kernels.grid.conditions import held_velocity
 
 #: A face of the domain: direction, side, position along that direction as a vertex number, number
-#: of the face. Then whether it reverses all components of a reflected vector.
-FACE_PLANE = structure(
-    ("axis", "i8"), ("side", "i8"), ("vertex", "i8"), ("face", "i8"), ("sticks", "i8")
-)
+#: of the face.
+FACE_PLANE = structure(("axis", "i8"), ("side", "i8"), ("vertex", "i8"), ("face", "i8"))
 
 #: A reference vertex: velocity and mass, inverse mass by component (0 if held by a face or a
 #: constraint), and the velocity before the step. Vectors of four numbers, see `NUMBERS`.
@@ -76,40 +74,6 @@ def key_of_vertex(bits, number, field):
 def depth(plane, number):
     """Vertices, along its axis, from a face outwards to a vertex, given by its numbers."""
     return (number[plane.axis] - plane.vertex) * plane.side
-
-
-@inner_kernel
-def is_turned(mirrors, n, number):
-    """Whether a vertex, given by its numbers, lies beyond a mirror."""
-    return depth(mirrors[n], number) > 0
-
-
-@inner_kernel
-def image_of(mirrors, number):
-    """Numbers of a vertex's image where it lies beyond a mirror, else its own numbers."""
-    x, y, z = number
-    for n in range(len(mirrors)):
-        if is_turned(mirrors, n, number):
-            axis = mirrors[n].axis
-            back = 2 * mirrors[n].vertex - number[axis]
-            x, y, z = (back if axis == 0 else x, back if axis == 1 else y, back if axis == 2 else z)
-    return x, y, z
-
-
-@inner_kernel
-def turns(mirrors, n, d):
-    """Whether mirror `n` reverses component `d`."""
-    return mirrors[n].sticks != 0 or mirrors[n].axis == d
-
-
-@inner_kernel
-def reflection(mirrors, number, d, count):
-    """-1 where the first `count` mirrors reverse component `d` of a vertex, else 1."""
-    sign = 1.0
-    for n in range(count):
-        if turns(mirrors, n, d) and is_turned(mirrors, n, number):
-            sign = -sign
-    return sign
 
 
 @kernel

@@ -5,24 +5,10 @@ velocity and angular velocity, by C T^t J; C is the inverse of its mass matrix. 
 same impulses, so that V and the accumulated impulses agree on all ranks.
 """
 
-from math import inf, sqrt
+from math import inf
 
-from pgimp.geometry.distancefield import MARGIN
-from pgimp.jit.kernel import inlined, inner_kernel, is_record
-from pgimp.jit.memory import structure
-from pgimp.kernels.contact.fill import fill
-from pgimp.kernels.contact.rigid_fields import set_rigid_velocity
-from pgimp.kernels.rigid.bodies import arm_of, find_distance, lever, move_freely, position_of
-from pgimp.kernels.rigid.ring_volume import ring_volume_factor
-
-#: What a rigid body fills of the neighbourhood of a vertex: whether that is known, and whether it
-#: is near; then as in `FIELD_STATE`. It lasts while the body rests.
-RIGID_FILL = structure(
-    ("state", "i8"), ("filled", "f8"), ("curvature_gap", "f8"), ("surface", "f8", 3)
-)
-
-#: States of a `RIGID_FILL`.
-UNKNOWN, FAR, NEAR = 0, 1, 2
+from pgimp.jit.kernel import inlined, inner_kernel
+from pgimp.kernels.rigid.bodies import arm_of, lever, move_freely
 
 
 @inlined
@@ -98,55 +84,3 @@ def push_rigid(rigid_bodies, s, rigid, J, sign):
             for u in range(6):
                 motion.velocity_after[u] += answer.derivative[u, w] * given
     return None
-
-
-@inlined
-def may_fill(rigid_bodies, frame, number, slack):
-    """Whether a rigid body that moves by up to `slack` cells may fill part of a vertex's reach."""
-    if not is_record(rigid_bodies):
-        return False
-    square, least, D = 0.0, inf, len(frame.cell)
-    for d in range(D):
-        square += frame.cell[d] ** 2
-        least = min(least, frame.cell[d])
-    reach = (1.0 + slack) * sqrt(square)
-    x, y, z = position_of(frame, number)
-    for t in range(len(rigid_bodies.motion)):
-        lattice, inside = rigid_bodies.lattice[t], True
-        for d in range(D):
-            near = lattice.least[d] - 1 <= number[d] <= lattice.most[d] + 1
-            inside = inside and near
-        if not inside:
-            continue
-        if reach > MARGIN * least:  # the lattice of distances may end before
-            return True
-        find_distance(rigid_bodies, t, D, x, y, z)
-        if rigid_bodies.point[0].distance <= reach:
-            return True
-    return False
-
-
-@inlined
-def load_resting(contact, rigid_bodies, frame, number, sides, count, fills):
-    """As `load_rigid_bodies`, with `fills` of the vertex, (rigid bodies,) RIGID_FILL."""
-    if not is_record(rigid_bodies):
-        return 0
-    found, point = count, rigid_bodies.point[0]
-    for t in range(len(rigid_bodies.motion)):
-        kept = fills[t]
-        if kept.state == UNKNOWN:
-            kept.state = NEAR if fill(rigid_bodies, t, frame, number, sides) else FAR
-            ring_factor = ring_volume_factor(frame, number, sides)
-            kept.filled, kept.curvature_gap = point.filled, point.curvature_gap
-            for d in range(3):
-                kept.surface[d] = point.surface[d] * ring_factor
-        if kept.state == FAR:
-            continue
-        row = contact.fields[found]
-        contact.offsets[found], contact.bodies[found] = -1, rigid_bodies.bodies + t
-        row.mass, row.filled, row.curvature_gap = inf, kept.filled, kept.curvature_gap
-        for d in range(3):
-            row.surface[d] = kept.surface[d]
-        set_rigid_velocity(row, rigid_bodies, t, frame, number, True)
-        found += 1
-    return found - count

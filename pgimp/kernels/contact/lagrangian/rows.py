@@ -64,7 +64,7 @@ def begin_solution(frame, values, coupling, solved):
         store_row(solved.held_impulse, j, 0, zero)
         solved.held_impulse[j, 3] = _uniform(frame, inverse_mass, j)
     for r in range(len(solved.free)):
-        free = entry.shape[1] == 1
+        free = True
         for k in range(start[r], start[r + 1]):
             mobility = solved.held_impulse[column[k], 3]
             free = free and mobility >= 0.0
@@ -86,30 +86,19 @@ def velocity_at(r, coupling, solved):
     """Velocity at a contact vertex by row `r` of B, in lanes."""
     column, entry, velocity = coupling.column, coupling.entry, solved.velocity
     k, end, v = coupling.start[r], coupling.start[r + 1], vector(0.0)
-    if entry.shape[1] == 1:
-        a, b, c = vector(0.0), vector(0.0), vector(0.0)
-        while k + 4 <= end:  # four sums: none waits for another
-            m, n, o, p = uint64(k), uint64(k + 1), uint64(k + 2), uint64(k + 3)
-            v = entry[m, 0] * load_row(velocity, column[m], 0) + v
-            a = entry[n, 0] * load_row(velocity, column[n], 0) + a
-            b = entry[o, 0] * load_row(velocity, column[o], 0) + b
-            c = entry[p, 0] * load_row(velocity, column[p], 0) + c
-            k += 4
-        v = (v + a) + (b + c)
-        while k < end:
-            v = entry[k, 0] * load_row(velocity, column[k], 0) + v
-            k += 1
-        return v
+    a, b, c = vector(0.0), vector(0.0), vector(0.0)
+    while k + 4 <= end:  # four sums: none waits for another
+        m, n, o, p = uint64(k), uint64(k + 1), uint64(k + 2), uint64(k + 3)
+        v = entry[m, 0] * load_row(velocity, column[m], 0) + v
+        a = entry[n, 0] * load_row(velocity, column[n], 0) + a
+        b = entry[o, 0] * load_row(velocity, column[o], 0) + b
+        c = entry[p, 0] * load_row(velocity, column[p], 0) + c
+        k += 4
+    v = (v + a) + (b + c)
     while k < end:
-        v = load_row(entry, k, 0) * load_row(velocity, column[k], 0) + v
+        v = entry[k, 0] * load_row(velocity, column[k], 0) + v
         k += 1
     return v
-
-
-@inner_kernel
-def _entry(entry, k):
-    """Entry `k` of B by component."""
-    return vector(entry[k, 0]) if entry.shape[1] == 1 else load_row(entry, k, 0)
 
 
 @inner_kernel
@@ -122,11 +111,11 @@ def _add_held_impulse(r, every, stiff, coupling, solved):
     start, column, entry = coupling.start, coupling.column, coupling.entry
     whole, square = vector(0.0), vector(0.0)
     for k in range(start[r], start[r + 1]):
-        b = _entry(entry, k)
+        b = vector(entry[k, 0])
         held = load_row(solved.inverse_mass, column[k], 0) == 0.0
         whole, square = whole + b, where(held, square + b * b, square)
     for k in range(start[r], start[r + 1]):
-        j, b = column[k], _entry(entry, k)
+        j, b = column[k], vector(entry[k, 0])
         mobility = load_row(solved.inverse_mass, j, 0)
         v, lost = load_row(solved.velocity, j, 0), load_row(solved.held_impulse, j, 0)
         store_row(solved.velocity, j, 0, where(stiff, v, v + b * every * mobility))
@@ -152,10 +141,7 @@ def add_impulse(r, J, sign, coupling, solved):
         return
     for k in range(start[r], start[r + 1]):
         j = column[k]
-        if entry.shape[1] == 1:
-            given = (sign * entry[k, 0]) * every
-        else:
-            given = (sign * load_row(entry, k, 0)) * every
+        given = (sign * entry[k, 0]) * every
         mobility = load_row(solved.inverse_mass, j, 0)
         v = given * mobility + load_row(solved.velocity, j, 0)
         store_row(solved.velocity, j, 0, v)

@@ -21,7 +21,7 @@ MEETS, OPPOSED, ASKEW = 0.3, -0.5, 4.0
 APART = 2.0
 
 #: Greatest cosine between normals of facets with a gap: others are beside an edge.
-FACES = -0.1
+FACES = -0.03
 
 #: Cosine below which facets that others look for leave it to these, and least one of facets of one
 #: face.
@@ -47,6 +47,9 @@ _SPREADS = 0.05
 
 #: Depth in cells beyond which a point has to be behind the facets round an edge as well.
 _EDGE = 0.01
+
+#: Facets of a face that are tried, at most, each beside the one before, for that below a point.
+_ATTEMPTS = 8
 
 #: Iterations for the place in a cell, at most, and the change in cells that ends them: the next one
 #: is its square.
@@ -181,7 +184,7 @@ def _find_gap(frame, rigid_bodies, surface, moved, scratch, near):
     least, phi, length, beside = frame.cell[0], 0.0, 1.0, inf
     for d in range(D):
         least = min(least, frame.cell[d])
-    for attempt in range(2):
+    for attempt in range(_ATTEMPTS):
         f, c, close = near.other, surface.cell[near.other], True
         length, phi = 1.0, 0.0
         if c < 0:
@@ -207,13 +210,15 @@ def _find_gap(frame, rigid_bodies, surface, moved, scratch, near):
         if not (close and beside > 0.0 and abs(near.gap) < FARTHEST * least):
             break
         # Facets are no discs: the one that it is over may be beside the nearest one.
+        least_beside = beside + most
         for k in range(surface.start[f], surface.start[f + 1]):
             m, alike = surface.beside[k], 0.0
             for d in range(D):
                 alike += surface.normal[m, d] * surface.normal[f, d]
-            if alike > _ALIKE and _beyond(D, frame, cells, surface, c, near, m) <= most:
-                near.other = m
-                break
+            if alike > _ALIKE:
+                away = _beyond(D, frame, cells, surface, c, near, m)
+                if away < least_beside:
+                    least_beside, near.other = away, m
         if near.other == f:
             break
     f, c = near.other, surface.cell[near.other]

@@ -55,6 +55,16 @@ def no_material(count: int) -> NDArray:
 
 
 @kernel
+def greatest_speed(frame, particles, rows):
+    """Greatest speed along a direction of the particles in `rows`, in cells per unit of time."""
+    fastest = 0.0
+    for p in rows:
+        for d in range(len(frame.origin)):
+            fastest = max(fastest, abs(particles.v[p, d] * frame.inverse[d]))
+    return fastest
+
+
+@kernel
 def mark_cells(frame, particles, rows, taken, low, marks):
     """Mark the cells, of a box that begins at cell `low`, in which bodies have particles.
 

@@ -10,8 +10,9 @@ and areas a_i of patches that bear, it is
     C = c (S - A),   S_ii = sum_j A_ij a_j / a_i.
 
 Even pressure has none. A + C = (1 - c) A + c S: the sweeps have vertices that are heavier, and a
-compliance of each pair's own. So eigenvalues of A + C differ by a factor of about 1/c. Patches of a
-second body at its tips have none, and none is felt there: those of the first bear already.
+compliance of each pair's own. So eigenvalues of A + C differ by a factor of about 1/c. The sum has
+all patches that may bear in the step, so that C is never below zero. Patches of a second body at
+its tips have no compliance, and none is felt there: those of the first may bear already.
 
 Along the normal C J is a gap: a stiff spring. Across it the change of J since the last step counts,
 so that friction holds what it bears.
@@ -41,28 +42,40 @@ def _is_second(end):
 
 
 @inner_kernel
-def _sum_areas(contact_pairs, coupling, kept, least, sums):
-    """Add the entries of rows times the area vectors of patches that bore in the last step."""
-    m = 0
+def _set_areas(contact_pairs, kept, sizes, areas):
+    """Set the areas of patches in sums, 0 of those without; `areas` are their normal velocities.
+
+    These are patches of first bodies that bore in the last step, or may in this one.
+    """
+    (dt, least, _, soon), m = sizes, 0
     for k in range(len(contact_pairs.ends)):
-        m, one = find_kept(kept, m, contact_pairs.ends[k])
-        if one < 0 or _is_second(contact_pairs.ends[k]):
+        end, row = contact_pairs.ends[k], contact_pairs.states[k]
+        m, one = find_kept(kept, m, end)
+        counts = not _is_second(end) and (one >= 0 or (areas[k] + row.gap_rate) * dt < soon)
+        areas[k] = max(row.area, least) if counts else 0.0
+
+
+@inner_kernel
+def _sum_areas(contact_pairs, coupling, areas, sums):
+    """Add the entries of rows times the area vectors of their patches."""
+    for k in range(len(contact_pairs.ends)):
+        if areas[k] == 0.0:
             continue
-        area = max(contact_pairs.states[k].area, least)
         for side in range(2):
             r, sign = contact_pairs.ends[k].rows[side], 2.0 * side - 1.0
             if r >= 0:
                 for n in range(coupling.start[r], coupling.start[r + 1]):
                     for d in range(3):
                         normal = contact_pairs.states[k].normal[d]
-                        sums[coupling.column[n], d] += sign * area * normal * coupling.entry[n, 0]
+                        along = sign * areas[k] * normal
+                        sums[coupling.column[n], d] += along * coupling.entry[n, 0]
 
 
 @inner_kernel
 def _set_soft(coupling, solved, r, area, sums, normal):
     """Set the compliance c S of a row of a patch, and its whole response.
 
-    `area` has the sign of the side; 0 of a second patch, which has no compliance of its own.
+    `area` has the sign of the side; 0 of a patch that does not count, see `_set_areas`.
     """
     whole, own = 0.0, 0.0
     for d in range(3):
@@ -109,6 +122,19 @@ def _reference(contact, end, row, kept, dt):
 
 
 @inner_kernel
+def _grown(one, normal):
+    """Depth that compliance had after the last step, over what half the step's impulse gives.
+
+    That was 2 J' - J'' of the last two steps, over J'; alike for all pairs near each other. A pair
+    without a change is a new one.
+    """
+    force, change = _along(one.force, normal), _along(one.change, normal)
+    if not force > 0.0:
+        return 1.0
+    return 2.0 if change == 0.0 else 1.0 + min(max(change / (EXTRAPOLATION * force), -1.0), 1.0)
+
+
+@inner_kernel
 def _normal_velocity(contact, contact_pairs, k, coupling, solved):
     """Velocity of a pair's ends apart, along the normal, with their compliance, as impulses are."""
     w, row = 0.0, contact_pairs.states[k]
@@ -130,33 +156,30 @@ def soften(contact, kept, contact_pairs, coupling, solved, sizes, scratch):
         The response to impulses; `answer` is changed.
     solved : Solved
         After `begin_solution`; `soft` is set, and masses are changed.
-    sizes : (float, float, float)
+    sizes : (float, float, float, float)
         The step; least area of a patch in its weight; the length by which overlaps
-        end in a step, beyond what compliance takes.
-    scratch : ((vertices, 3) float64, (pairs,) float64)
+        end in a step, beyond what compliance takes; the gap at which a patch may bear.
+    scratch : ((vertices, 3) float64, (pairs,) float64, (pairs,) float64)
         Scratch, zero before.
     """
-    (dt, least, parts), (sums, before), m = sizes, scratch, 0
+    (dt, _, parts, _), (sums, before, areas) = sizes, scratch
     for k in range(len(contact_pairs.ends)):
         before[k] = _normal_velocity(contact, contact_pairs, k, coupling, solved)
-    _sum_areas(contact_pairs, coupling, kept, least, sums)
+        areas[k] = before[k]
+    _set_areas(contact_pairs, kept, sizes, areas)
+    _sum_areas(contact_pairs, coupling, areas, sums)
     for k in range(len(contact_pairs.ends)):
-        area = max(contact_pairs.states[k].area, least)
-        if _is_second(contact_pairs.ends[k]):
-            area = 0.0
         for side in range(2):
             r = contact_pairs.ends[k].rows[side]
             if r >= 0:
-                _set_soft(
-                    coupling, solved, r, area if side else -area, sums,
-                    contact_pairs.states[k].normal,
-                )  # fmt: skip
+                area, normal = (2.0 * side - 1.0) * areas[k], contact_pairs.states[k].normal
+                _set_soft(coupling, solved, r, area, sums, normal)
     for j in range(len(sums)):
         for d in range(3):
             solved.inverse_mass[j, d] *= 1.0 - SOFT
     for n in range(len(solved.moved)):
         solved.moved[n] *= 1.0 - SOFT
-    again = SOFT / (1.0 - SOFT)
+    again, m = SOFT / (1.0 - SOFT), 0
     for k in range(len(contact_pairs.ends)):
         end, row = contact_pairs.ends[k], contact_pairs.states[k]
         m, one = find_kept(kept, m, end)
@@ -169,14 +192,17 @@ def soften(contact, kept, contact_pairs, coupling, solved, sizes, scratch):
                 for d in range(3):
                     contact_pairs.rigid[k, side, d] = -sign * solved.soft[r, d] * J[d]
                 add_impulse(r, (again * J[0], again * J[1], again * J[2]), sign, coupling, solved)
+    m = 0
     for k in range(len(contact_pairs.ends)):
         row = contact_pairs.states[k]
+        m, one = find_kept(kept, m, contact_pairs.ends[k])
         if contact_pairs.ends[k].rows[0] < 0 and contact_pairs.ends[k].rows[1] < 0:
             continue
-        # Half of what the last step's impulses give: the depth of the compliance itself.
+        # Half of what the last step's impulses give: the depth of the compliance at rest.
         deep = before[k] - _normal_velocity(contact, contact_pairs, k, coupling, solved)
-        row.gap_rate = max(row.gap_rate, -parts / dt - 2.0 * max(deep, 0.0))
-        if _is_second(contact_pairs.ends[k]) or row.gap_rate == 0.0:  # no gap corrects it
+        part = _grown(kept[one], row.normal) if one >= 0 else 1.0
+        row.gap_rate = max(row.gap_rate, -parts / dt - part * max(deep, 0.0))
+        if areas[k] == 0.0 or row.gap_rate == 0.0:  # no gap corrects it
             row.gap_rate -= deep
 
 

@@ -138,14 +138,18 @@ def _find_pieces(D, cells, c, place, edges, pieces):
     """
     number, hats, scratch, ways = pieces
     inside, whole, size, found = True, 0.0, 0.0, 0
+    for d in range(D):
+        reach = abs(edges[0, d]) + abs(edges[1, d]) - _REACHES
+        if reach < 0.0:  # in a plane of the grid, but for rounding, it is in one cell all the same
+            edges[0, d] = edges[1, d] = 0.0
+            if place[d] > -_REACHES and place[d] < 1.0 + _REACHES:
+                place[d] = min(max(place[d], 0.0), 1.0)
+        inside = inside and place[d] >= reach and place[d] <= 1.0 - reach
     for d in range(3):
         e, f = (d + 1) % 3, (d + 2) % 3
         whole += (edges[0, e] * edges[1, f] - edges[0, f] * edges[1, e]) ** 2
         size += abs(edges[0, d]) + abs(edges[1, d])
         ways[d] = 0.0
-    for d in range(D):
-        reach = abs(edges[0, d]) + abs(edges[1, d]) - _REACHES
-        inside = inside and place[d] >= reach and place[d] <= 1.0 - reach
     if inside or D == 1 or size == 0.0 or (D == 3 and whole == 0.0):
         number[0] = c
         set_means(D, place, edges, hats[0])
@@ -158,7 +162,7 @@ def _find_pieces(D, cells, c, place, edges, pieces):
             ways[d] = there - 1.0
             rest //= 3
             if there == 1:
-                meets = meets and place[d] - reach < 1.0 and place[d] + reach > 0.0
+                meets = meets and place[d] - reach <= 1.0 and place[d] + reach >= 0.0
                 continue
             if there == 0:
                 meets = meets and place[d] - reach < -_REACHES

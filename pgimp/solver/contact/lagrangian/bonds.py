@@ -1,4 +1,4 @@
-"""Bonded bodies in the initial configuration, and the interaction of others."""
+"""Bonded bodies in the initial configuration, and unilateral walls."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from itertools import product
 import numpy as np
 
 from pgimp.geometry.sweep import close_pairs
-from pgimp.kernels.contact.lagrangian.filled import ANYWHERE, NEVER, WHERE_FILLED
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
 from pgimp.kernels.contact.lagrangian.reference_grid import FACE_PLANE
 from pgimp.physics.contact.base import TIED, UNILATERAL
@@ -45,7 +44,7 @@ def separating_walls(scene: Scene) -> SeparatingWalls:
     frame = scene.domain.frame
     letting = [(n, face) for n, face in enumerate(scene.domain.faces) if face.condition.approaches]
     planes = [
-        (face.axis, face.side, frame.ghost + (face.side > 0) * frame.cells[face.axis], n, False)
+        (face.axis, face.side, frame.ghost + (face.side > 0) * frame.cells[face.axis], n)
         for n, face in letting
     ]
     first = len(scene.body_names) + len(scene.interaction.rigid_bodies)
@@ -123,20 +122,3 @@ def _tied(pairs: Pairs, near: np.ndarray, lagrangian: np.ndarray) -> np.ndarray:
         found.append(np.stack([np.full(len(some), a), some], axis=1))
     every = np.concatenate(found).reshape(-1, 2)
     return every[np.lexsort(every.T[::-1])] if n else every
-
-
-def interactions(pairs: Pairs, groups: np.ndarray, rigid_bodies: int) -> np.ndarray:
-    """How groups act on each other and on rigid bodies, int8; see `keep_possible`."""
-    n, last = len(groups), len(groups) + rigid_bodies
-    ways = np.where(pairs.kind == UNILATERAL, WHERE_FILLED, ANYWHERE).astype(np.int8)
-    acts = np.concatenate([[NEVER], ways]).astype(np.int8)[np.abs(pairs.entry[:n, :last])]
-    own = np.triu(acts[:, :n], 1)
-    acts[:, :n] = np.maximum(own, own.T)
-    if not np.array_equal(groups, np.arange(n)):
-        order = np.argsort(groups, kind="stable")
-        first = np.searchsorted(groups[order], np.arange(1 + int(groups.max())))
-        acts = np.maximum.reduceat(acts[order], first, axis=0)
-        own = np.maximum.reduceat(acts[:, :n][:, order], first, axis=1)
-        np.fill_diagonal(own, NEVER)
-        acts = np.concatenate([own, acts[:, n:]], axis=1)
-    return np.ascontiguousarray(acts)

@@ -9,11 +9,7 @@ import numpy as np
 from pgimp.kernels.contact.data import PAIR_STATE
 from pgimp.kernels.contact.lagrangian.coupling import Coupling
 from pgimp.kernels.contact.lagrangian.pairs import ENDS, ContactPairs
-from pgimp.kernels.contact.lagrangian.reference_grid import (
-    REFERENCE_VERTEX,
-    Changes,
-    ReferenceVertices,
-)
+from pgimp.kernels.contact.lagrangian.reference_grid import REFERENCE_VERTEX, ReferenceVertices
 from pgimp.mpi.communicator import Communicator
 from pgimp.solver.contact.lagrangian.messages import swap
 
@@ -45,50 +41,14 @@ def join(comm: Communicator, root: int, mine: Joint) -> tuple[int, Joint | None]
     message = np.concatenate([part.reshape(-1).view(np.float64) for part in _parts(mine)])
     sent, received = np.zeros((2, comm.size), np.int64)
     sent[root] = len(message)
-    shapes = coupling.entry.shape[1], coupling.beyond.shape[1]
     if comm.rank == root:
-        received[:] = [_size(each, *shapes) for each in every.tolist()]
+        received[:] = [_size(each) for each in every.tolist()]
     arrived = swap(comm, message, sent, received)
     if comm.rank != root:
         return found, None
     pieces = np.split(arrived, np.cumsum(received)[:-1])
-    unpacked = [
-        _unpack(piece, each, *shapes) for piece, each in zip(pieces, every.tolist(), strict=True)
-    ]
+    unpacked = [_unpack(piece, each) for piece, each in zip(pieces, every.tolist(), strict=True)]
     return found, merged(unpacked)
-
-
-def share(comm: Communicator, root: int, changes: Changes | None, extra: np.ndarray) -> Changes:
-    """Return the changes that rank `root` has found, and its `extra` float64 in place; collective.
-
-    Parameters
-    ----------
-    changes : Changes or None
-        Of rank `root`.
-    extra : float64
-        An array of one shape on all ranks.
-    """
-    count = np.array([len(changes.keys) if changes else 0])
-    comm.Bcast(count, root)
-    m = int(count[0])
-    message = np.empty(7 * m + extra.size)
-    if changes:
-        parts = (changes.keys, changes.velocities, changes.held, extra)
-        np.concatenate([part.reshape(-1).view(np.float64) for part in parts], out=message)
-    comm.Bcast(message, root)
-    extra[...] = message[7 * m :].reshape(extra.shape)
-    velocities, held = message[m : 7 * m].reshape(2, m, 3)
-    return Changes(message[:m].view(np.int64), velocities, held)
-
-
-def _by_component(joint: Joint, mirrors: int) -> Joint:
-    """With entries of rows by component, if they have one for all."""
-    coupling = joint.coupling
-    if coupling.entry.shape[1] > 1:
-        return joint
-    beyond = np.zeros((len(coupling.answer), mirrors, 3))
-    coupling = coupling._replace(entry=np.repeat(coupling.entry, 4, axis=1), beyond=beyond)
-    return joint._replace(coupling=coupling)
 
 
 def _used(joint: Joint) -> Joint:
@@ -108,46 +68,42 @@ def _parts(joint: Joint) -> tuple[np.ndarray, ...]:
     (ends, states, rigid), coupling, vertices = joint
     return (
         ends, states, rigid, coupling.start[1:], coupling.column, coupling.entry, coupling.answer,
-        coupling.beyond, vertices.keys, vertices.values,
+        vertices.keys, vertices.values,
     )  # fmt: skip
 
 
-def _shapes(counts: list[int], width: int, mirrors: int) -> list[tuple[tuple[int, ...], np.dtype]]:
+def _shapes(counts: list[int]) -> list[tuple[tuple[int, ...], np.dtype]]:
     """Shapes and types of `_parts`."""
     pairs, rows, entries, vertices = counts
     whole, real = np.dtype(np.int64), np.dtype(np.float64)
     return [
         ((pairs,), ENDS), ((pairs,), PAIR_STATE), ((pairs, 3, 3), real), ((rows,), whole),
-        ((entries,), whole), ((entries, width), real), ((rows, 3), real),
-        ((rows, mirrors, 3), real), ((vertices,), whole), ((vertices,), REFERENCE_VERTEX),
+        ((entries,), whole), ((entries, 1), real), ((rows, 3), real),
+        ((vertices,), whole), ((vertices,), REFERENCE_VERTEX),
     ]  # fmt: skip
 
 
-def _size(counts: list[int], width: int, mirrors: int) -> int:
+def _size(counts: list[int]) -> int:
     """Length of a message in numbers of 8 bytes."""
-    shapes = _shapes(counts, width, mirrors)
+    shapes = _shapes(counts)
     return sum(int(np.prod(shape)) * kind.itemsize // 8 for shape, kind in shapes)
 
 
-def _unpack(message: np.ndarray, counts: list[int], width: int, mirrors: int) -> Joint:
+def _unpack(message: np.ndarray, counts: list[int]) -> Joint:
     """The pairs of a message."""
     arrays, begin = [], 0
-    for shape, kind in _shapes(counts, width, mirrors):
+    for shape, kind in _shapes(counts):
         end = begin + int(np.prod(shape)) * kind.itemsize // 8
         arrays.append(message[begin:end].view(kind).reshape(shape))
         begin = end
     start = np.concatenate([np.zeros(1, np.int64), arrays[3]])
     return Joint(
-        ContactPairs(*arrays[:3]), Coupling(start, *arrays[4:8]), ReferenceVertices(*arrays[8:])
+        ContactPairs(*arrays[:3]), Coupling(start, *arrays[4:7]), ReferenceVertices(*arrays[7:])
     )
 
 
-def merged(every: list[Joint], mirrors: int = 0) -> Joint:
-    """The pairs of all ranks, or ways to meet, in the order of their vertices.
-
-    With `mirrors` rows have an entry for each component.
-    """
-    every = [_by_component(each, mirrors) if mirrors else each for each in every]
+def merged(every: list[Joint]) -> Joint:
+    """The pairs of all ranks, or ways to meet, in the order of their vertices."""
     keys = np.concatenate([each.vertices.keys for each in every])
     values = np.concatenate([each.vertices.values for each in every])
     keys, first = np.unique(keys, return_index=True)
@@ -169,7 +125,6 @@ def merged(every: list[Joint], mirrors: int = 0) -> Joint:
         np.concatenate(columns),
         np.concatenate([each.coupling.entry for each in every]),
         np.concatenate([each.coupling.answer for each in every]),
-        np.concatenate([each.coupling.beyond for each in every]),
     )
     order = np.lexsort(pairs.ends["vertex"].T[::-1])
     return Joint(pairs.chosen(order), coupling, ReferenceVertices(keys, values[first]))

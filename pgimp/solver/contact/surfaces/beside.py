@@ -17,14 +17,14 @@ from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.contact.pairs import Pairs
 from pgimp.scene.scene import Scene
-from pgimp.solver.contact.lagrangian.bonds import interactions
-from pgimp.solver.contact.lagrangian.broad_phase import BroadPhase
-from pgimp.solver.contact.lagrangian.joint import Joint, join, merged
-from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact
+from pgimp.solver.contact.lagrangian.joint import Joint, merged
+from pgimp.solver.contact.lagrangian.lagrangian import ImpulseContact
+from pgimp.solver.contact.surfaces.at_vertices import ContactAtVertices
 from pgimp.solver.contact.surfaces.contact import SurfaceContact
 from pgimp.solver.contact.surfaces.material import NearMaterial
 from pgimp.solver.contact.surfaces.table import Table
 from pgimp.solver.rank_state import RankState
+from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import VertexUpdate
 
 
@@ -34,16 +34,14 @@ class MixedContact(SurfaceContact):
     def __init__(self, scene: Scene, comm: Communicator) -> None:
         super().__init__(scene, comm)
         self._current = np.flatnonzero(~scene.settings.lagrangian)
-        self._own_pairs = self._among(self.pairs)
-        self._broad_phase = BroadPhase(scene, comm, self._own_pairs, self._walls)
-        self._at_vertices = self._contact._replace(pairs=self._own_pairs)
+        own = self._among(self.pairs)
+        self._at_vertices = ContactAtVertices(scene, comm, own, self._walls)
         self._material: NearMaterial | None = None
         self._proximity.alone = True  # bodies in the current configuration may join all groups
 
     def moved(self) -> None:
         """See `NoContact.moved`."""
         super().moved()
-        self._broad_phase.restart()
         if self._material:
             self._material.relocate()
 
@@ -55,11 +53,15 @@ class MixedContact(SurfaceContact):
         entry[some] = pairs.entry[some]
         return pairs._replace(entry=entry)
 
-    def assign_fields(self, rank: RankState) -> None:
-        """See `NoContact.assign_fields`."""
-        super().assign_fields(rank)
-        rigid = len(self.scene.interaction.rigid_bodies)
-        self._selector.acts = interactions(self._own_pairs, self.groups, rigid)
+    @property
+    def volumes(self) -> tuple[np.ndarray, ...]:
+        """See `NoContact.volumes`."""
+        data = self._at_vertices.data
+        return (data.volumes, data.used) if data else ()
+
+    def detect(self, rank: RankState, t: Step, ledger: Ledger) -> None:
+        """See `NoContact.detect`."""
+        self._at_vertices.detect(rank, self.fields)
 
     def known(self, rank: RankState) -> Table:
         """See `SurfaceContact.known`."""
@@ -90,42 +92,23 @@ class MixedContact(SurfaceContact):
             if met is not None:
                 step = t.dt, met.speed
                 found.append(self._pairs(met.surface, met.cells, met.every, met.vertices, step))
-        found.append(self._between(rank, update))
+        found.append(
+            self._at_vertices.find(rank, self._proximity.root, self._holding(update), t.dt)
+        )
         own = [joint for joint in found if joint is not None]
-        self._act(rank, update, merged(own, len(self._selector.mirrors)) if own else None)
+        self._act(rank, update, merged(own) if own else None)
 
     def _sweep_groups(
         self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved
     ) -> None:
-        """See `LagrangianContact._sweep`; of all groups, without compliance of patches."""
+        """See `ImpulseContact._sweep`; of all groups, without compliance of patches."""
         states, parts = pairs.states, self._sizes[1] / self._dt
         states["gap_rate"] = np.maximum(states["gap_rate"], -parts)
-        LagrangianContact._sweep(self, free, pairs, coupling, solved)
+        ImpulseContact._sweep(self, free, pairs, coupling, solved)
 
     def _book(
         self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved,
         vertices: np.ndarray, ledger: Ledger,
     ) -> None:  # fmt: skip
-        """See `LagrangianContact._book`; of all groups."""
-        LagrangianContact._book(self, free, pairs, coupling, solved, vertices, ledger)
-
-    def _between(self, rank: RankState, update: VertexUpdate) -> Joint | None:
-        """The pairs of bodies in the current configuration, on the root; collective."""
-        t, phase = update.t, self._broad_phase
-        rigid, rate = self.rigid_bodies, self._rate
-        looked = phase.update(rank.population, self.groups, rigid, t, rate, rank.grid)
-        some = ~self.scene.settings.lagrangian[rank.population.columns.body]
-        phase.near = phase.near[some[rank.population.order[phase.near]]]
-        if looked:
-            self._selection = None
-        if not needed(phase.any):
-            return None
-        selection = self._select(rank, looked, 0.0, rate * t.dt)
-        holding = self._holding(update)
-        near = self._particles.gather(rank.grid.field, rank.population, selection, holding)
-        whole, self._contact = self._contact, self._at_vertices
-        joint: Joint | None = Joint(*self._find(near, t), near.vertices)
-        self._contact = whole
-        if self.comm.size > 1 and joint is not None:
-            _, joint = join(self.comm, self._proximity.root, joint)
-        return joint
+        """See `ImpulseContact._book`; of all groups."""
+        ImpulseContact._book(self, free, pairs, coupling, solved, vertices, ledger)

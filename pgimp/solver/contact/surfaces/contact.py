@@ -28,7 +28,7 @@ from pgimp.kernels.contact.surfaces.gaps import find_gaps
 from pgimp.kernels.contact.surfaces.groups import book_groups, solve_groups
 from pgimp.kernels.contact.surfaces.loads import add_loads
 from pgimp.kernels.contact.surfaces.motion import move_facets
-from pgimp.kernels.contact.surfaces.rows import PARTS, find_patch_pairs
+from pgimp.kernels.contact.surfaces.rows import PARTS, TOUCHES, find_patch_pairs
 from pgimp.kernels.contact.surfaces.soft import LEAST_AREA, apply_impulses, soften
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
 from pgimp.kernels.data.record import RECORD
@@ -37,9 +37,8 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.base import NoContact
 from pgimp.solver.contact.lagrangian.joint import Joint
-from pgimp.solver.contact.lagrangian.lagrangian import LagrangianContact, nothing_held
+from pgimp.solver.contact.lagrangian.lagrangian import ACCURACY, ImpulseContact, flat, nothing_held
 from pgimp.solver.contact.lagrangian.messages import greatest
-from pgimp.solver.contact.lagrangian.selected import flat
 from pgimp.solver.contact.surfaces.depth import Depth
 from pgimp.solver.contact.surfaces.groups import (
     Grouped,
@@ -48,7 +47,6 @@ from pgimp.solver.contact.surfaces.groups import (
     labels_of,
     share_changes,
 )
-from pgimp.solver.contact.surfaces.kept_forces import KeptForces
 from pgimp.solver.contact.surfaces.loads import SurfaceLoads
 from pgimp.solver.contact.surfaces.overrun import OverrunWatch
 from pgimp.solver.contact.surfaces.proximity import Proximity, U
@@ -59,12 +57,8 @@ from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import VertexUpdate
 
-#: The most sweeps over all pairs in a step, and the relative change of impulses that ends them. To
-#: 1e-3 disks rebound the same to four digits, but what rests with friction slowly gains energy.
-SWEEPS, TOLERANCE = 200, 1e-6
 
-
-class SurfaceContact(LagrangianContact):
+class SurfaceContact(ImpulseContact):
     """Contact by surfaces: patches of one body, and the nearest facets of another.
 
     Each connected group of bodies has a rank that finds its gaps, and solves for its impulses, from
@@ -77,19 +71,17 @@ class SurfaceContact(LagrangianContact):
         self._table: Table | None = None
         self._slaves: object = None
         self._acts = np.zeros((0, 0), np.uint8)
-        self._rate, self._room = 0.0, (ContactPairs.empty(0), _rows(0, 0))
+        self._rate, self._room = 0.0, (ContactPairs.empty(0), Coupling.empty(0, 0))
         cell = scene.domain.frame.cell
-        self._sizes = LEAST_AREA * min(cell) ** (len(cell) - 1), PARTS * min(cell)
+        lengths = PARTS * min(cell), TOUCHES * min(cell)
+        self._sizes = LEAST_AREA * min(cell) ** (len(cell) - 1), *lengths
         #: SurfaceLoads or None: Loads on facets, where the case asks for frames of surfaces.
         self.loads = SurfaceLoads(comm) if scene.case.output.surface else None
         self._every = no_facets(0)
         rigid_bodies = scene.interaction.rigid_bodies
         names = [*scene.body_names, *rigid_bodies.names]
         self._watch, self._depth = OverrunWatch(scene, names), Depth(scene, names)
-        self._warm_start: KeptForces = KeptForces(comm)
         self._books = np.empty(0, np.int64), Ledger.empty(0, 0, 0)
-        if not self.free:
-            self._accuracy = SWEEPS, TOLERANCE
         self._rebounds = rebounds_of(scene)
         first = self._walls.first
         for number in scene.interaction.rigid_bodies.free:  # they meet walls as other bodies do
@@ -252,7 +244,7 @@ class SurfaceContact(LagrangianContact):
     def _sweep(
         self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved
     ) -> None:
-        """See `LagrangianContact._sweep`; rigid bodies rebound."""
+        """See `ImpulseContact._sweep`; rigid bodies rebound."""
         sweep = partial(self._sweep_groups, free, pairs, coupling, solved)
         if self._rebounds:
             grouped = Grouped.of(pairs, self._proximity.groups)
@@ -272,14 +264,17 @@ class SurfaceContact(LagrangianContact):
         compliant = coupling._replace(answer=coupling.answer.copy())
         softened = Solved(*(part.copy() for part in solved))
         softened = softened._replace(soft=np.zeros_like(coupling.answer))
-        scratch, kept = (np.zeros(solved.velocity.shape), np.zeros(count)), self._warm_start.kept
+        scratch, kept = (
+            (np.zeros(solved.velocity.shape), *np.zeros((2, count))),
+            self._warm_start.kept,
+        )
         sizes = self._dt, *self._sizes
         call(soften, contact, kept, pairs, compliant, softened, sizes, scratch)
         self._warm_start.begin(contact, pairs, compliant, softened, self._dt)
         grouped = Grouped.of(pairs, self._proximity.groups)
         self.sweeps = call(
             solve_groups, contact, free, (grouped.pairs, grouped.first), compliant, softened,
-            np.empty((2, count, IMPULSES)), self._accuracy,
+            np.empty((2, count, IMPULSES)), ACCURACY,
         )  # fmt: skip
         grouped.copy_to(pairs)
         call(apply_impulses, pairs, coupling, solved)
@@ -288,7 +283,7 @@ class SurfaceContact(LagrangianContact):
         self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved,
         vertices: np.ndarray, ledger: Ledger,
     ) -> None:  # fmt: skip
-        """See `LagrangianContact._book`; of each group alone."""
+        """See `ImpulseContact._book`; of each group alone."""
         grouped = Grouped.of(pairs, self._proximity.groups)
         self._books = grouped.number, books_of(ledger, len(grouped.number))
         of = self._contact, free, (grouped.pairs, grouped.first), coupling, solved, vertices
@@ -314,7 +309,10 @@ class SurfaceContact(LagrangianContact):
         seen, sums = np.empty((2, len(keys)), np.int64), np.empty(2 ** len(frame.cell))
         vertices, counts = (flat(values), seen, sums, self._proximity.scratch[-1]), [0, 0]
         if len(self._room[0].ends) < len(every):
-            self._room = ContactPairs.empty(len(every)), _rows(len(every), 8 * len(every))
+            self._room = (
+                ContactPairs.empty(len(every)),
+                Coupling.empty(2 * len(every), 8 * len(every)),
+            )
         (pairs, coupling), self._every = self._room, every
 
         def fill(coupling: Coupling) -> int:
@@ -326,20 +324,12 @@ class SurfaceContact(LagrangianContact):
 
         used = fill(coupling)
         if used > len(coupling.column):
-            coupling = _rows(len(pairs.ends), used + used // 4)
+            coupling = Coupling.empty(2 * len(pairs.ends), used + used // 4)
             self._room = pairs, coupling
             fill(coupling)
         found, rows = counts
         coupling = Coupling(
             coupling.start[: rows + 1].copy(), coupling.column[:used].copy(),
-            coupling.entry[:used].copy(), coupling.answer[:rows].copy(), coupling.beyond[:rows],
+            coupling.entry[:used].copy(), coupling.answer[:rows].copy(),
         )  # fmt: skip
         return Joint(ContactPairs(*(part[:found].copy() for part in pairs)), coupling, reference)
-
-
-def _rows(pairs: int, entries: int) -> Coupling:
-    """Room for the rows of so many pairs, with so many entries."""
-    return Coupling(
-        np.zeros(2 * pairs + 1, np.int64), np.empty(entries, np.int64), np.empty((entries, 1)),
-        np.empty((2 * pairs, 3)), np.zeros((2 * pairs, 0, 3)),
-    )  # fmt: skip

@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pgimp.jit.rehearsal import needed
-from pgimp.kernels.contact.lagrangian.broad_phase import greatest_speed
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
 from pgimp.kernels.contact.lagrangian.reference_grid import (
     REFERENCE_VERTEX,
@@ -22,6 +21,7 @@ from pgimp.kernels.contact.surfaces.material import (
     choose_cells,
     copy_material,
     find_material_gaps,
+    greatest_speed,
     mark_cells,
     mark_vertices,
     no_material,
@@ -37,11 +37,12 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.grown import grown
 from pgimp.solver.contact.lagrangian.messages import greatest, united
-from pgimp.solver.contact.lagrangian.selected import plain
-from pgimp.solver.contact.lagrangian.shares import FAR
 from pgimp.solver.contact.surfaces.proximity import LONGEST, TRAVEL, Near, Proximity
 from pgimp.solver.contact.surfaces.table import Table, bits_of, records_of
 from pgimp.solver.rank_state import RankState
+
+#: Farther than any bin or vertex.
+FAR = 1 << 40
 
 #: Cells from a facet within which particles count, and how far vertices that move a place are.
 _WITHIN, _AWAY = 2.0, 2 + int(STEP * TRIES)
@@ -77,7 +78,9 @@ class NearMaterial(Proximity):
         self._taken = acts.any(axis=0).astype(np.uint8)
         self._groups = np.where(self._taken, groups, -1)
         self._fields = np.array(fields, np.int64)
-        self._plain = plain(scene)
+        self._plain = scene.setting.without_materials()._replace(
+            frame=scene.domain.frame, shape=scene.settings.uncut
+        )
         self._low, self._marks = np.zeros(3, np.int64), np.zeros((0, 0, 0), np.uint8)
         self._surface: Surface | None = None
 

@@ -13,6 +13,7 @@ from pgimp.kernels.contact.surfaces.data import Surface, SurfaceCells
 from pgimp.kernels.contact.surfaces.search import find_beside, keys_of_vertices
 from pgimp.kernels.data.motion import KEPT_MASS
 from pgimp.kernels.data.record import RECORD
+from pgimp.scene.bodies.clouds.point_cloud import Cloud
 from pgimp.scene.bodies.lattice import Lattice
 from pgimp.scene.bodies.lattice_body import LatticeBody
 from pgimp.scene.bodies.surface_elements import find_elements
@@ -21,6 +22,7 @@ from pgimp.scene.bodies.surfaces.boxes import Closed, distinct
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.grown import grown
 from pgimp.solver.contact.lagrangian.messages import united
+from pgimp.solver.contact.surfaces.box_bodies import boxes_of
 from pgimp.solver.contact.surfaces.divided import Ends, all_facets
 from pgimp.solver.contact.surfaces.seams import closed_faces, one_period, places_with_images
 from pgimp.solver.lagrangian.masters import Vertices
@@ -68,13 +70,14 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     D, cell = scene.dimension, np.array(frame.cell)
     origin, periods = np.array(frame.origin), np.zeros(3)
     periods[:D] = scene.domain.periods
-    every = [*_bodies(scene), *_rigid_bodies(scene)]
     # What lies on a wall that lets go meets it.
     letting = {(face.axis, face.side) for face in scene.domain.faces if face.condition.approaches}
     closed = [face for face in scene.interaction.loads.surfaces.closed if face not in letting]
     gone = [scene.body_names.index(name) for name in scene.case.staged.removed]
     gone += np.flatnonzero(~scene.settings.lagrangian).tolist()  # of these facets know nothing
-    here = [number for number in range(len(every)) if number not in gone]
+    rigid = dict(enumerate(_rigid_bodies(scene), len(scene.body_names)))
+    every = _bodies(rank, gone) | rigid
+    here = [*every]
     if needed(0):  # what has no facets has the same kernels, but for those that measure one plane
         for number in here:
             middle = sum(every[number].box[0]) // 2
@@ -127,10 +130,19 @@ def _ends(scene: Scene, body: LatticeBody, number: int, held: Closed) -> Ends:
     return Ends((), ring, one_period(body, entry, scene.domain.frame, periods))
 
 
-def _bodies(scene: Scene) -> list[LatticeBody]:
-    found, exact = Lattice(scene.case).bodies, scene.settings.exact_surfaces
-    assert all(isinstance(body, LatticeBody) for body, own in zip(found, exact, strict=True) if own)
-    return found  # type: ignore[return-value]
+def _bodies(rank: RankState, gone: list[int]) -> dict[int, LatticeBody]:
+    """Bodies, but those that are `gone`, by their numbers; collective."""
+    found: dict[int, LatticeBody] = {}
+    for number, body in enumerate(Lattice(rank.scene.case).bodies):
+        if number in gone:
+            continue
+        if isinstance(body, Cloud):
+            found[number] = boxes_of(rank, number)
+        elif body.exact:
+            found[number] = body
+        else:  # whatever weights its particles have, it meets others where it ends
+            found[number] = LatticeBody(body.region, body.edges, body.centres, body.cut, body.cut)
+    return found
 
 
 def _rigid_bodies(scene: Scene) -> list[LatticeBody]:

@@ -30,11 +30,11 @@ def model(D, whole, soft):
                  contact=[{"bodies": "all"}])  # fmt: skip
 
 
-@pytest.mark.parametrize(("D", "soft"), [(2, False), (2, True), wide(3, False)])
+@pytest.mark.parametrize(("D", "soft"), [(2, False), (2, True), wide(3, False), wide(3, True)])
 def test_a_half_moves_as_that_of_the_whole(D, soft):
     """Nothing has a surface in a plane of symmetry, and patches beside it are as free as before.
 
-    At the first touch a patch does not know yet that its image will bear: compliance differs then.
+    Patches, masters of slaves and compliance are images of each other: to rounding.
     """
     found, lines = [], []
     for whole in (True, False):
@@ -51,6 +51,6 @@ def test_a_half_moves_as_that_of_the_whole(D, soft):
         lines.append(sim.diagnostics())
     parts = 2.0 ** (D - 1)
     for name in ("strain-energy", "kinetic-energy", "contact.all.normal-impulse"):
-        assert lines[0][name] == pytest.approx(parts * lines[1][name], rel=1e-4)
+        assert lines[0][name] == pytest.approx(parts * lines[1][name], rel=1e-9)
     assert lines[1]["contact.all.normal-impulse"] > 1.0
-    np.testing.assert_allclose(*found, rtol=0.0, atol=3e-4)
+    np.testing.assert_allclose(*found, rtol=0.0, atol=1e-10)

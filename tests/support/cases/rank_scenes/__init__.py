@@ -38,6 +38,7 @@ from rank_scenes.initial_bodies import (
     initial_lattice,
     initial_stages,
     surface_beside,
+    surface_boxes,
     surface_contact,
     surface_stages,
 )
@@ -105,6 +106,7 @@ SCENES = (
             initial_contact,
             surface_contact,
             surface_beside,
+            surface_boxes,
             surface_stages,
             surface_rings,
             surface_round,

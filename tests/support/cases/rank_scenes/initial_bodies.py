@@ -1,5 +1,7 @@
 """Bodies in the initial configuration."""
 
+from pathlib import Path
+
 from scenes import SOFT, box, scene
 
 from pgimp.physics.columns import SURFACE
@@ -360,6 +362,35 @@ def surface_beside():
         gravity=[0.0, -1.0],
         boundaries={"y-min": {"separating": {"friction": 0.2}}, "x-max": "slip"},
         contact=[{"bodies": "all", "friction": {"static": 0.4, "kinetic": 0.3}}],
+        output={"every": 0.25, "fields": EVERYTHING},
+        history={"every": {"steps": 10}},
+    )
+
+
+def surface_boxes():
+    """A body of whole particles and one from a file, off the grid, meet across slabs and a seam."""
+    more = {"configuration": "initial"}
+    disk = {"ball": {"centre": [4.3, 4.2], "radius": 1.9}}
+    file = str(Path(__file__).with_name("bricks.csv"))
+    bodies = {
+        "rolls": {"material": "stiff", "region": disk, "velocity": [-5.0, -6.0]}
+        | more
+        | {"surface": "whole"},
+        "slides": {"material": "soft", "region": {"points": {"file": file}},
+                   "velocity": [4.0, -3.0]} | more,
+        "floor": {"rigid": {}, "region": {"box": {"min": [-2.0, 0.1], "max": [20.0, 2.1]}}},
+    }  # fmt: skip
+    return scene(
+        2,
+        bodies,
+        cells=[18, 8],
+        shape="finite-gimp",
+        end=1.0,
+        step={"courant": 0.3},
+        materials=PAIR,
+        gravity=[0.0, -1.0],
+        boundaries={"x-min": "periodic", "x-max": "periodic"},
+        contact=[{"bodies": "all", "friction": 0.3}],
         output={"every": 0.25, "fields": EVERYTHING},
         history={"every": {"steps": 10}},
     )

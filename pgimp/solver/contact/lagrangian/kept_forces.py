@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from pgimp.jit.bound import Bound
@@ -16,46 +18,40 @@ from pgimp.mpi.communicator import Communicator
 WIDTH = KEPT_FORCE.itemsize // 8
 
 
-class WarmStart:
-    """Forces of pairs in the last step, and their changes, on the rank that solves.
+class KeptForces:
+    """Forces of pairs in the last step, and their changes: each rank has those of its groups.
 
-    They are found by vertex and bodies, so that nothing depends on the ranks. A stage begins
-    without them, as a checkpoint from before they were kept does.
+    They are found by place and bodies, so that nothing depends on the ranks. A stage begins without
+    them, as a checkpoint from before they were kept does.
     """
 
     def __init__(self, comm: Communicator) -> None:
         self.comm, self.call = comm, Bound()
-        self._root: int | None = None
         self._kept = np.empty(0, KEPT_FORCE)
         self._storage = (self._kept, self._kept)
+        self._whole = False  # all ranks have all of them, as after a restart
 
     def clear(self) -> None:
         """Let the next step begin at zero: nothing touches."""
         self._kept = self._kept[:0]
 
-    def move_to(self, root: int) -> None:
-        """Hand the forces to the rank that solves from now on; collective."""
-        before, self._root = self._root, root
-        if before is None or before == root:
+    def divide(self, mine: Callable[[np.ndarray], np.ndarray]) -> None:
+        """Keep those that are `mine`, a mask given bodies (n, 2), of all; collective."""
+        if self.comm.size == 1:
             return
-        numbers = np.array([len(self._kept)])
-        self.comm.Bcast(numbers, before)
-        message = np.empty((int(numbers[0]), WIDTH))
-        if self.comm.rank == before:
-            message[:] = self._kept.view(np.float64).reshape(-1, WIDTH)
-        self.comm.Bcast(message, before)
-        self._kept = (
-            message.reshape(-1).view(KEPT_FORCE) if self.comm.rank == root else self._kept[:0]
-        )
+        if not self._whole:
+            self._kept = self._together()
+        self._whole = False
+        self._kept = self._kept[mine(self._kept["bodies"])]
 
     def begin(
         self, contact: Contact, pairs: ContactPairs, coupling: Coupling, solved: Solved, dt: float
     ) -> None:
-        """Set and apply the impulses that the last steps predict, on the rank that solves."""
+        """Set and apply the impulses that the last steps predict, on a rank that solves."""
         self.call(begin_impulses, contact, self._kept, pairs, coupling, solved, dt)
 
     def keep(self, pairs: ContactPairs, dt: float) -> None:
-        """Keep the impulses of a step, on the rank that solves."""
+        """Keep the impulses of a step, on a rank that solves."""
         used, free = self._storage
         if len(free) < len(pairs.ends):
             free = np.empty(len(pairs.ends) + len(pairs.ends) // 8, KEPT_FORCE)
@@ -64,15 +60,20 @@ class WarmStart:
 
     @property
     def kept(self) -> np.ndarray:
-        """The forces of the last step, (n,) KEPT_FORCE, on the rank that solves."""
+        """The forces of the last step, (n,) KEPT_FORCE, on a rank that solves."""
         return self._kept
+
+    def _together(self) -> np.ndarray:
+        """Those of all ranks in the order of patches; collective."""
+        own = np.ascontiguousarray(self._kept).view(np.float64).reshape(-1, WIDTH)
+        every = np.concatenate(self.comm.allgather(own)).reshape(-1).view(self._kept.dtype)
+        return every[np.lexsort((*every["bodies"].T[::-1], *every["vertex"].T[::-1]))]
 
     @property
     def stored(self) -> np.ndarray:
-        """What a checkpoint has of this rank, (n, `WIDTH`) float64."""
-        kept = self._kept
-        if self._root is None and self.comm.rank != 0:  # all ranks have those of a checkpoint
-            kept = kept[:0]
+        """What a checkpoint has, on the first rank, (n, `WIDTH`) float64; collective."""
+        kept = self._kept if self._whole else self._together()
+        kept = kept if self.comm.rank == 0 else kept[:0]
         whole = [kept[name].astype(np.float64) for name in ("vertex", "bodies")]
         return np.concatenate([*whole, kept["force"], kept["change"]], axis=1)
 
@@ -82,4 +83,4 @@ class WarmStart:
         parts = np.split(stored, (3, 5, 8), axis=1)
         for name, values in zip(("vertex", "bodies", "force", "change"), parts, strict=True):
             kept[name] = values
-        self._kept, self._root = kept, None
+        self._kept, self._whole = kept, True

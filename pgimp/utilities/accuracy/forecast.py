@@ -1,0 +1,54 @@
+"""What a run will cost, from what its companions cost."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from pgimp.io.rundir import runinfo
+from pgimp.io.rundir.ownfiles import RUN
+
+
+class Cost(NamedTuple):
+    """The cost of a companion: particles, steps, and seconds of its steps."""
+
+    particles: float
+    steps: float
+    seconds: float
+
+
+def cost_of(path: Path) -> Cost | None:
+    """Return the cost of a run that is done, over all its starts; None if it is not known."""
+    content = runinfo.read(path / RUN)
+    starts = content["starts"] if content else []
+    seconds = [one.get("seconds") for one in starts]
+    if not starts or any(one is None for one in seconds) or not starts[-1]["steps"]:
+        return None
+    particles, steps = starts[-1].get("particles") or 0, starts[-1]["steps"]
+    return Cost(float(particles), float(steps), float(sum(seconds)))
+
+
+def seconds_of(known: Sequence[tuple[float, Cost]], dimensions: int) -> float | None:
+    """Return the seconds of the steps of a run.
+
+    A step costs a time of its own, and one for each particle. Both follow from two companions; of
+    one alone all goes with the particles.
+
+    Parameters
+    ----------
+    known : sequence of (float, Cost)
+        Cells over those of the run, and cost, of its companions.
+    """
+    if not known:
+        return None
+    (ratio, fine), *more = sorted(known, key=lambda one: one[0])
+    step = fine.seconds / fine.steps
+    each = step / max(fine.particles, 1.0)
+    if more and fine.particles > more[0][1].particles:
+        coarse = more[0][1]
+        slope = (step - coarse.seconds / coarse.steps) / (fine.particles - coarse.particles)
+        if 0.0 < slope < each:
+            each = slope
+    fixed = step - each * fine.particles
+    return fine.steps * ratio * (fixed + each * fine.particles * ratio**dimensions)
