@@ -19,7 +19,7 @@ from pgimp.kernels.data.ledger import PLACES, TAKEN, Ledger
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.sums.sums import STRAIN, SUMS
 from pgimp.physics.loads.surfaces import surface_width
-from pgimp.scene.geometry import take_as_empty
+from pgimp.scene.geometry import release, take_as_empty
 from pgimp.scene.rigid.free_body import State
 from pgimp.scene.scene import Scene
 from pgimp.scene.wave_speeds import rest_rate
@@ -124,6 +124,7 @@ def enter(now: Start, case: Case) -> Start:
         now.warnings += check_first_step(new, dt, max(now.rate, rank.parts_rate))
     except CaseError as error:
         raise RunError(f"{case.staged.title}: {error}") from None
+    release(case)  # where bodies meet their surfaces are needed
     return now
 
 
