@@ -13,7 +13,7 @@ from proofs.scenes import touching
 from proofs.scenes.overlap import check
 
 #: Kinds of `--short`.
-SHORT = ("floor", "seam")
+SHORT = ("rings", "seam", "mirror")
 
 
 def main(words):
