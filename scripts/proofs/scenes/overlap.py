@@ -32,7 +32,7 @@ def check(path):
             sim.advance()
             lines.append(sim.diagnostics())
             deep = min(deep, _depth(sim))
-            said += sim.rank.contact.overrun(sim.rank, sim.done)
+            said += sim.diagnostic_sums.said
     except PgimpError as error:
         return "failed", [str(error)]
     wrong = [*_momenta(case, lines), *_energy(case, lines)]

@@ -31,3 +31,8 @@ def test_facets_do_not_depend_on_who_measures(D, ranks):
         )
         for one, other in zip(own, whole, strict=True):
             np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_scene_whose_bodies_are_all_gone_has_no_planes():
+    assert planes_by_rank([], 3) == []
