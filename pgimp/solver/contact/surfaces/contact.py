@@ -253,7 +253,8 @@ class SurfaceContact(ImpulseContact):
         compliant = coupling._replace(answer=coupling.answer.copy())
         softened = Solved(*(part.copy() for part in solved))
         softened = softened._replace(soft=np.zeros_like(coupling.answer))
-        scratch, kept = (np.zeros(solved.velocity.shape), *np.zeros((2, count))), self._warm_start.kept
+        scratch = (np.zeros(solved.velocity.shape), *np.zeros((2, count)))
+        kept = self._warm_start.kept
         sizes = self._dt, *self._sizes
         call(soften, contact, kept, pairs, compliant, softened, sizes, scratch)
         self._warm_start.begin(contact, pairs, compliant, softened, self._dt)
