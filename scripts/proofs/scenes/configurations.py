@@ -23,6 +23,9 @@ def initial(rng, scene):
     if any(runs(scene, name) for name, body in case["bodies"].items() if "rigid" not in body):
         return
     meets = rng.kind.random() < 0.6
+    if meets and case["method"]["shape"].startswith(("fuzzy", "bspline")):  # wider than cells
+        case["method"]["shape"] = "gimp"
+        case["method"].pop("size", None)
     case["bodies"] = {
         name: body if "rigid" in body else body | {"configuration": "initial"}
         for name, body in case["bodies"].items()
