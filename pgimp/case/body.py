@@ -44,7 +44,8 @@ class Body(Model):
         "Lagrangian): vibrations and spin last, nothing tears at any stretch, and steps are "
         "cheaper and do not become shorter as the body moves. Faces of the domain hold what lies "
         "on them at the start; `separating` ones, rigid bodies and other bodies, of either "
-        "configuration, are met where they are",
+        "configuration, are met where they are. Left out where the method is chosen: initial of "
+        "what is elastic and keeps together, current of what flows or tears",
     )
     mass: Literal["lumped", "averaged"] | None = Field(
         default=None,

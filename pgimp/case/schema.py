@@ -7,7 +7,7 @@ and time; stress is mass/(length time^2). Tension is positive.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
@@ -23,6 +23,9 @@ from pydantic import (
 from pgimp.case.accuracy import Accuracy
 from pgimp.case.body import Body
 from pgimp.case.checks.parts import check, sound_parts
+from pgimp.case.choices.choose import left_out, without_choice
+from pgimp.case.choices.forms import AUTO_METHOD, MethodEntry, or_bonded
+from pgimp.case.choices.resolve import resolve
 from pgimp.case.damping import Damping
 from pgimp.case.defaults import with_defaults
 from pgimp.case.escape import EscapeEntry
@@ -53,8 +56,8 @@ from pgimp.schema.tables import VaryingVector
 
 
 def _format(value: int) -> int:
-    if value != 1:
-        raise problem(f"this pgimp reads format 1, got {value}")
+    if value not in (1, 2):
+        raise problem(f"this pgimp reads formats 1 and 2, got {value}")
     return value
 
 
@@ -102,7 +105,10 @@ class Case(Model):
     """A case: everything that defines a run."""
 
     format: Annotated[Count, AfterValidator(_format)] = Field(
-        description="version of the case file's format", json_schema_extra={"enum": [1]}
+        description="version of the case file's format. 2 chooses what is left out of the method, "
+        "whatever else of it is given; 1 only where shape, particles_per_cell or time.step is left "
+        "out, too",
+        json_schema_extra={"enum": [1, 2]},
     )
     title: Label = Field(default="", description="one line about the case")
     units: Label = Field(
@@ -120,8 +126,12 @@ class Case(Model):
         "whole body, all round the axis",
     )
     grid: Grid = Field(description="the regular grid, which is the domain")
-    method: Annotated[Any, ByField(_shapes, "shape", "shape")] = Field(
-        description="the shape of the particles, which decides the method"
+    method: Annotated[Any, MethodEntry(_shapes, "shape", "shape")] = Field(
+        default=AUTO_METHOD,
+        description="the shape of the particles, which decides the method. What is left out of it "
+        "is chosen, and so are `configuration` and `mass` of bodies, `time.step` and `contact`, by "
+        "rules that the page 'Which method' has; `pgimp check` and the run say what and why. In "
+        "format 1 nothing is chosen where shape, particles_per_cell and time.step are given",
     )
     time: Time = Field(description="end and step")
     start: StartEntry = Field(default=StartEntry(), description="the state at time 0")
@@ -199,7 +209,9 @@ class Case(Model):
         max_length=60,
         description="what happens where bodies meet. Bodies of a pair that an entry is for have "
         "velocity fields of their own; all others share one, so that they feel each other up to "
-        "two cells before they touch, and stick together",
+        "two cells before they touch, and stick together. Left out where the method is "
+        "chosen: bodies that may meet do so without friction; bonded: all stick together",
+        json_schema_extra=or_bonded,
     )
     exact: Annotated[Any, ByName(_solutions, "solution")] = Field(
         default=None,
@@ -295,7 +307,12 @@ class Case(Model):
         known = context.get("counted", 0.0), context.get("began", 0.0), context.get("gone", ())
         span = data.get("time")
         with until(span.get("end") if isinstance(span, Mapping) else None):
-            return cls._check_sound(data, handler, known, written)
+            sound = partial(cls._check_sound, handler=handler, known=known, written=written)
+            open_keys = left_out(data)
+            if open_keys is None:
+                return sound(without_choice(data))
+            case: Self = resolve(data, open_keys, handler, sound)
+            return case
 
     @classmethod
     def _check_sound(

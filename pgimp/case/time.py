@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any, cast
 
 from pydantic import Field
 
 from pgimp.case.stages import Stage
 from pgimp.case.stepping.steps import AnyStep, CourantStep
-from pgimp.schema.base import Model, Number, Positive
+from pgimp.schema.base import Model, Number, Positive, chosen
 from pgimp.schema.sizes import whole
 
 
@@ -20,7 +20,9 @@ class Time(Model):
         "is, where there are `stages` [time]"
     )
     step: AnyStep = Field(
-        description="a fixed time step, of which end is a whole number [time], or {courant: ..}"
+        default=cast(Any, None),
+        description="a fixed time step, of which end is a whole number [time], or {courant: ..}",
+        json_schema_extra=chosen,
     )
     mass_scaling: Annotated[Number, Field(ge=1.0)] = Field(
         default=1.0,

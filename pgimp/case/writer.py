@@ -6,6 +6,7 @@ import json
 import re
 from typing import Any
 
+from pgimp.case.choices.choose import lines
 from pgimp.case.schema import Case
 from pgimp.schema.document import scalar
 
@@ -21,11 +22,12 @@ _PLAIN = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 def dump_case(case: Case) -> str:
     """Return `case` as the text of a case file.
 
-    Every default is written out. The text is itself a case file, and reading it gives an equal
-    case with the same bits in every number.
+    Every default is written out, and comments say what was chosen and why. The text is itself a
+    case file, and reading it gives an equal case with the same bits in every number.
     """
     data = case.model_dump(by_alias=True)
-    return "".join(_entry(key, value, "") for key, value in data.items())
+    chosen = "".join(f"# chosen: {line}\n" for line in lines(case))
+    return chosen + "".join(_entry(key, value, "") for key, value in data.items())
 
 
 def _entry(key: str, value: object, indent: str) -> str:

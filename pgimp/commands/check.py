@@ -8,10 +8,15 @@ of steps. See `pgimp.utilities.check` for the report, and `pgimp.utilities.model
 import argparse
 from collections.abc import Iterable
 from itertools import chain
+from pathlib import Path
 
+from pgimp.case.choices.choose import lines
+from pgimp.case.choices.written import written
 from pgimp.case.load import load
 from pgimp.case.locations import located
+from pgimp.case.reader import read_case
 from pgimp.case.schema import Case
+from pgimp.errors import UsageError, explain
 from pgimp.jit.compiled.cache import announced
 from pgimp.mpi.comm import say
 from pgimp.running import forecast
@@ -27,9 +32,11 @@ from pgimp.scene.checks.sanity import body_warnings, case_warnings
 from pgimp.scene.checks.validity import impedance, repose, tearing, tool_edges
 from pgimp.scene.checks.warned import Warned, warned
 from pgimp.scene.mass_scaling import scaling_notes
+from pgimp.schema.document import decode, read
 from pgimp.solver.start.memory import size_text
 from pgimp.solver.start.require_memory import MemoryShortError
 from pgimp.solver.time.stability import stability_warning, stable_courant
+from pgimp.storage import atomic
 from pgimp.utilities.check.bodies import (
     MOST_BODIES,
     report_body,
@@ -65,6 +72,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="change a value of the case; repeatable",
     )
     parser.add_argument(
+        "--write",
+        action="store_true",
+        help="write what was chosen of the method into the case file; its comments stay",
+    )
+    parser.add_argument(
         "-v",
         "--verbose",
         action="store_true",
@@ -74,11 +86,31 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     """Run the command."""
+    if args.write and args.set:
+        raise UsageError("--write changes the case file, which does not have what --set says")
     with announced(say):
         case = load(args.case, args.set)
         with located(case):
             report(case, args.verbose)
+    if args.write:
+        _write(args.case, case)
     return 0
+
+
+def _write(name: str, case: Case) -> None:
+    """Write what was chosen into the case file, whose comments stay."""
+    if not lines(case):
+        print(f"{name}: nothing was chosen; it stays as it is")
+        return
+    text = written(decode(read(name), name), case)
+    again = read_case(text, name)
+    if again.model_dump() != case.model_dump():
+        raise UsageError(f"{name}: its form is not one that --write can change; it stays as it is")
+    try:
+        atomic.write(Path(name), text)
+    except OSError as error:
+        raise UsageError(f"cannot write {name}: {explain(error)}") from None
+    print(f"{name}: has now what was chosen")
 
 
 def report(case: Case, verbose: bool = False) -> None:
@@ -116,6 +148,8 @@ def report(case: Case, verbose: bool = False) -> None:
     report_materials(written)
     report_rigid(scene, verbose)
     report_walls(case)
+    for text in lines(whole):
+        print(f"chosen           {text}")
     report_inflow(case, known.entering, duration)
     chosen = ", chosen by pgimp" if case.watched else ""
     longest = f"; Courant 1 is {1.0 / rate:.4g}" if verbose else ""

@@ -227,11 +227,13 @@ def _run(
 
     It overwrites an older run, resumes it, and estimates errors, as `how` says.
     """
+    from pgimp.case.choices.choose import lines as chosen_lines
+    from pgimp.case.choices.kept import carried
     from pgimp.case.functions import functions_of
     from pgimp.case.reader import dump_case
     from pgimp.jit.compiled.cache import announced
     from pgimp.jit.outside import digests
-    from pgimp.running.resume import Resumed
+    from pgimp.running.resume import Resumed, as_begun
     from pgimp.running.resume import resume as load_pair
     from pgimp.running.running import advance
     from pgimp.storage.hdf5 import load_h5py
@@ -245,11 +247,13 @@ def _run(
         if comm.rank == 0:  # takes longer than writing most frames
             load_h5py()
         with announced(log.say):
+            if resume:
+                case = as_begun(case, comm, directory)
             if accompanied := accompany.wanted(case, directory, error):
                 chosen = accompany.begin(case, directory, log, stop, _run)
                 if chosen is None:
                     return False
-                case = chosen
+                case = carried(case, chosen)
             found = load_pair(case, comm, directory, log, each) if resume else None
             if found == "done":
                 log.say(f"{output} holds this run, done already: nothing is left to do")
@@ -258,6 +262,8 @@ def _run(
                 return True
             resumed = found if isinstance(found, Resumed) else None
             sim = _set_up(case, comm, log, began, each) if resumed is None else resumed.sim
+        for line in chosen_lines(case):
+            log.say(f"chosen: {line}")
         for note in sim.notes:
             log.say(f"note: {note}")
         for warning in sim.warnings:

@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from pgimp.case.choices.kept import kept
 from pgimp.case.reader import read_case
 from pgimp.case.schema import Case
 from pgimp.case.writer import flow
@@ -115,6 +116,17 @@ def resume(
             )
     log.say(f"no checkpoint in {directory.path} yet: starting afresh")
     return "afresh"
+
+
+def as_begun(case: Case, comm: Communicator, directory: RunDirectory) -> Case:
+    """Return the case with what was chosen for its run when that began; collective."""
+    text = on_root(comm, lambda: _case_of(directory.path))
+    if text is None:
+        return case
+    try:
+        return kept(case, read_case(text, f"{directory.path / 'case.yaml'}"))
+    except CaseError:  # one that this version does not read: `resume` says so
+        return case
 
 
 def _require_lines(directory: Path, case: Case, about: About) -> None:

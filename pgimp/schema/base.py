@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import Annotated, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import (
     AfterValidator,
@@ -37,6 +37,12 @@ def tuples(value: object) -> object:
     if isinstance(value, list | tuple):
         return tuple(tuples(item) for item in value)
     return value
+
+
+def chosen(schema: dict[str, Any]) -> None:
+    """Document that a key may be left out, and is then chosen."""
+    schema.pop("default", None)
+    schema["$comment"] = "chosen"
 
 
 class Model(BaseModel):

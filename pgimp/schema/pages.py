@@ -13,12 +13,16 @@ from pathlib import Path
 #: Titles of the pages that messages name; a test compares them with the pages.
 TITLES = {
     "case-file.md": "The case file",
+    "contact.md": "Contact",
     "error-against-cost.md": "Error against cost",
     "hard-cases.md": "Hard cases",
     "limits.md": "Limits",
+    "metals.md": "Metals",
     "methods.md": "Which method",
     "report.md": "Reports, and what is known of the errors of a run",
     "soils-and-fluids.md": "Soils, fluids and gases",
+    "walls.md": "Walls",
+    "waves.md": "Waves",
 }
 
 

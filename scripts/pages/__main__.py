@@ -1,8 +1,9 @@
 """Writes the pages of docs/ that show measurements, each from its text and its tables.
 
 A line ``{{ NAME }}`` of ``texts/PAGE.md`` stands for ``tables/NAME.md``, which the script that
-measures it writes: scripts/benchmark, scripts/methods, scripts/pareto and others. Whoever
-changes a page changes its text, and runs this again.
+measures it writes: scripts/benchmark, scripts/methods, scripts/pareto and others. Of ``choices``
+the table is made of pgimp's own rules. Whoever changes a page changes its text, and runs this
+again.
 
     python scripts/pages [--check]
 
@@ -22,6 +23,10 @@ def page(text: Path) -> str:
     """The page of a text."""
 
     def table(place: re.Match) -> str:
+        if place[1] == "choices":
+            from choices import rules
+
+            return rules()
         return (HERE / "tables" / f"{place[1]}.md").read_text(encoding="utf-8").strip()
 
     body = re.sub(r"^\{\{ ([\w-]+) \}\}$", table, text.read_text(encoding="utf-8"), flags=re.M)

@@ -126,7 +126,12 @@ FRAGMENTS = (
     ("method: {shape: gimp, particles_per_cell: [2, 2, 2], mass:", initial, ()),
 )
 #: Whole cases and studies are read elsewhere (test_readme.py), and this is a remark.
-OTHERS = ("format: 1\n", "# safety.yaml\n", "# yaml-language-server: $schema=pgimp-schema.json\n")
+OTHERS = (
+    "format: 1\n",
+    "format: 2\n",
+    "# safety.yaml\n",
+    "# yaml-language-server: $schema=pgimp-schema.json\n",
+)
 
 
 def merged(beginning, case, keys):

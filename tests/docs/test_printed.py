@@ -15,15 +15,15 @@ from pgimp.utilities.study.plan import read_plan
 
 
 def test_first_case_is_printed_as_it_is():
-    printed = read_case(block_of("format: 1\ntitle"), "docs/case-file.md", [])
+    printed = read_case(block_of("format: 2\ntitle"), "docs/case-file.md", [])
     there = (ROOT / "cases/block3d.yaml").read_text(encoding="utf-8")
     assert printed == read_case(there, "block3d.yaml", [])
 
 
-@pytest.mark.parametrize(("dimensions", "case"), [(3, "block3d"), (2, "rolling")])
-def test_short_cases_of_the_pages_are_those_in_cases(dimensions, case):
+@pytest.mark.parametrize(("dimensions", "case", "number"), [(3, "block3d", 2), (2, "rolling", 1)])
+def test_short_cases_of_the_pages_are_those_in_cases(dimensions, case, number):
     """They are complete, and but for labels and output they say the same."""
-    short = read_case(block_of(f"format: 1\ndimensions: {dimensions}"), "README.md", [])
+    short = read_case(block_of(f"format: {number}\ndimensions: {dimensions}"), "README.md", [])
     there = (ROOT / f"cases/{case}.yaml").read_text(encoding="utf-8")
     whole = read_case(there, f"{case}.yaml", [])
     for name in type(whole).model_fields:

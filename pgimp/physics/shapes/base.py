@@ -8,7 +8,7 @@ from pydantic import Field
 from pgimp.jit.kernel import class_of, exact, inlined, of_types
 from pgimp.physics.shapes.courant import LIMITS
 from pgimp.physics.shapes.phases import STRESS, StressOrder
-from pgimp.schema.base import Count, Model, NonNegative
+from pgimp.schema.base import Count, Model, NonNegative, chosen
 from pgimp.schema.dispatch import Either
 
 
@@ -16,7 +16,7 @@ class Shape(Model):
     """Base of the entries ``method``."""
 
     particles_per_cell: tuple[Count, ...] = Field(
-        description="particles per cell along each direction"
+        default=(), description="particles per cell along each direction", json_schema_extra=chosen
     )
 
     relaxation: Annotated[

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pgimp.case.motion.moving_boxes import held_at
 from pgimp.errors import PgimpError
 from pgimp.io.results.history import read_sums
 from pgimp.running.accuracy.books import edited_functions, energy_book, momentum_books
 from pgimp.running.accuracy.particles import BodyState, body_states
 from pgimp.running.accuracy.rules import RULES, Indicator
 from pgimp.scene.checks.locking import locked
-from pgimp.scene.checks.supports import held_at
 from pgimp.scene.checks.validity.tearing import flows
 from pgimp.solver.time.stability import stable_courant
 

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pgimp.case.motion.moving_boxes import clearance, faces_with_condition, instants, moving_boxes
 from pgimp.physics.loads.motion import RigidMotion
 from pgimp.scene.checks import nearness
 from pgimp.scene.checks.facts import BodyFacts
-from pgimp.scene.checks.moving_boxes import clearance, faces_with_condition, instants, moving_boxes
 from pgimp.scene.checks.sanity import strains
 from pgimp.scene.liquids import only_liquids
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pgimp.scene.checks.moving_boxes import TOUCH, moving_boxes
+from pgimp.case.motion.moving_boxes import TOUCH, moving_boxes
 from pgimp.scene.checks.nearness import NAMED, ranged, reach, sticking
 
 if TYPE_CHECKING:

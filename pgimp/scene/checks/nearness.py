@@ -14,9 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pgimp.physics.contact.pairs import Pairs, sharing
-from pgimp.physics.rigid import Motion
-from pgimp.scene.checks.moving_boxes import (
+from pgimp.case.motion.moving_boxes import (
     TOUCH,
     Box,
     clearance,
@@ -24,6 +22,8 @@ from pgimp.scene.checks.moving_boxes import (
     instants,
     moving_boxes,
 )
+from pgimp.physics.contact.pairs import Pairs, sharing
+from pgimp.physics.rigid import Motion
 from pgimp.scene.checks.warned import Warned, warned
 from pgimp.scene.rigid.images import nearest_image
 

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pgimp.case.escape import sinks
+from pgimp.case.motion.moving_boxes import held_at
 from pgimp.physics.contact.base import UNILATERAL
 from pgimp.physics.variation import Variation
 from pgimp.physics.variation.randomfield import RandomVariation
 from pgimp.scene.checks.facts import BodyFacts, Findings
-from pgimp.scene.checks.supports import held_at, own_weight
+from pgimp.scene.checks.supports import own_weight
 from pgimp.scene.checks.units import unlikely
 from pgimp.scene.checks.warned import Warned, warned
 from pgimp.schema.tables import VectorFunction

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from pgimp.case.motion.moving_boxes import held_at
 from pgimp.scene.checks.facts import BodyFacts
 from pgimp.schema.tables import VectorFunction
 
@@ -59,18 +60,6 @@ def supports(case: Case, body: BodyFacts) -> Iterator[Support]:
             low, high = [a for a, _ in box], [b for _, b in box]
             held = entry.rigid
             yield Support(f"constraint {name}", tuple(low), tuple(high), held)
-
-
-def held_at(condition: Any, axis: int, side: int) -> tuple[bool, ...]:
-    """Return which components of a motion out of the domain a face's condition holds, (3,) bool."""
-    v = (side * 1e300,) * 3
-    face = condition.at_rest.parameters(axis, side, 0.0, 0.0)
-    a = (0.0,) * 3
-    if condition.approaches:
-        held, _ = face.approach(face, v, a, 0.0)
-    else:
-        held, _ = face.constrain(face, v, a)
-    return tuple(bool(a != b) for a, b in zip(held, v, strict=True))
 
 
 def greatest(load: object, dimensions: int) -> np.ndarray:

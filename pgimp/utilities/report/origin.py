@@ -18,6 +18,7 @@ _MOST_BYTES, _MOST_LINES = 8 << 20, 40
 #: Most particles in trouble that a report shows.
 _MOST_TEXT = 6000
 _TOLD = re.compile(r"(warning|note): .*")
+_CHOSEN = re.compile(r"chosen: ")
 
 
 def state_of(info: Mapping[str, Any], end: float | None) -> Markup:
@@ -109,6 +110,12 @@ def told(directory: Path) -> Markup:
     rest = len(ordered) - _MOST_LINES
     more = [f"and {rest} more in log.txt"] if rest > 0 else []
     return items([*ordered[:_MOST_LINES], *more])
+
+
+def chosen(directory: Path) -> Markup:
+    """Return what was chosen of the method, and why, from the log."""
+    lines = [line for line in _read(directory / "log.txt").splitlines() if _CHOSEN.match(line)]
+    return items([_CHOSEN.sub("", line) for line in dict.fromkeys(lines)][:_MOST_LINES])
 
 
 def failure(directory: Path, info: Mapping[str, Any]) -> tuple[str, str]:

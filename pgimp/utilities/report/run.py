@@ -67,6 +67,7 @@ def report_of_run(path: Path, field: str | None = None) -> str:
         section("Books", *_books(shown, found)),
         section("Forces", *_forces(shown, found.history)),
         section("Time by phase", *_timings(info)),
+        section("Method as chosen", origin.chosen(path)),
         section("Warnings and notes", origin.told(path)),
         section("Case", *_case(path, data)),
         section("Machine and versions", origin.machine(info), found.starts),

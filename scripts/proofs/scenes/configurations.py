@@ -23,9 +23,6 @@ def initial(rng, scene):
     if any(runs(scene, name) for name, body in case["bodies"].items() if "rigid" not in body):
         return
     meets = rng.kind.random() < 0.6
-    if meets and case["method"]["shape"].startswith(("fuzzy", "bspline")):  # wider than cells
-        case["method"]["shape"] = "gimp"
-        case["method"].pop("size", None)
     case["bodies"] = {
         name: body if "rigid" in body else body | {"configuration": "initial"}
         for name, body in case["bodies"].items()
@@ -40,6 +37,9 @@ def initial(rng, scene):
     ] or default  # fmt: skip
     if laws and len(case["bodies"]) > 1:
         case["contact"] = laws
+    if (meets or laws) and case["method"]["shape"].startswith(("fuzzy", "bspline")):
+        case["method"]["shape"] = "gimp"  # what meets is no wider than cells
+        case["method"].pop("size", None)
     case["method"].pop("volume", None)
     for face, kind in case["boundaries"].items():
         if not meets and (kind == "separating" or "separating" in kind):

@@ -68,6 +68,26 @@ def load_rigid(contact, rigid_bodies, a, s, rigid):
 
 
 @inlined
+def is_free(rigid_bodies, s):
+    """Whether an end of a pair is a rigid body that moves freely. `s` is as in `load_rigid`."""
+    if not move_freely(rigid_bodies):
+        return False
+    return s < 0 and _free_number(rigid_bodies, s) >= 0
+
+
+@inlined
+def free_velocity(rigid_bodies, s, rigid):
+    """Velocity of a rigid end that moves freely; zero of others."""
+    if not move_freely(rigid_bodies):
+        return (0.0, 0.0, 0.0)
+    t = _free_number(rigid_bodies, s)
+    if t < 0:
+        return (0.0, 0.0, 0.0)
+    V, arm = rigid_bodies.motion[t].velocity_after, _arm(rigid_bodies, t, rigid)
+    return tuple(sum(lever(arm, d, u) * V[u] for u in range(6)) for d in range(3))
+
+
+@inlined
 def push_rigid(rigid_bodies, s, rigid, J, sign):
     """Apply an impulse of a pair to a rigid end that moves freely."""
     if move_freely(rigid_bodies):

@@ -72,15 +72,6 @@ def begin_solution(frame, values, coupling, solved):
         solved.free[r] = free
 
 
-@kernel
-def find_changes(values, solved, changes):
-    """Find what the impulses have changed at the vertices, see `Changes`."""
-    for j in range(len(values)):
-        for d in range(3):
-            changes.velocities[j, d] = solved.velocity[j, d] - values[j, d]
-            changes.held[j, d] = solved.held_impulse[j, d]
-
-
 @inner_kernel
 def velocity_at(r, coupling, solved):
     """Velocity at a contact vertex by row `r` of B, in lanes."""

@@ -88,7 +88,7 @@ def begin_impulses(contact, kept, contact_pairs, coupling, solved, dt):
     kept : (n,) KEPT_FORCE
         Of the step before, in the order of their vertices, as the pairs are.
     contact_pairs, coupling, solved
-        See `solve_impulses`.
+        See `pgimp.kernels.contact.surfaces.groups.solve_groups`.
     dt : float
         Length of the step.
     """

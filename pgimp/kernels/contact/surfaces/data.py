@@ -14,7 +14,9 @@ from pgimp.kernels.data.particles import FloatArray, IntArray
 #: and the number of the other body's side there, see `find_patch_pairs`. Then the gap between both,
 #: the facet's weight in its patch, the place of its centroid in the other body's cell, and the
 #: normal there, out of the other body. Half-edges there, and an offset of the place, in cells, are
-#: those of facets that touch, see `pgimp.kernels.contact.surfaces.spread`; zero of others.
+#: those of facets that touch, see `pgimp.kernels.contact.surfaces.spread`; zero of others. Last the
+#: part that faces the other body, see `pgimp.kernels.contact.surfaces.pressed.faces`, and the first
+#: and the number of its `Pieces` that are kept; none if they have to be found again.
 NEAR_FACET = structure(
     ("facet", "i8"),
     ("body", "i8"),
@@ -26,6 +28,9 @@ NEAR_FACET = structure(
     ("normal", "f8", 3),
     ("edges", "f8", (2, 3)),
     ("offset", "f8", 3),
+    ("facing", "f8"),
+    ("piece", "i8"),
+    ("pieces", "i8"),
 )
 
 
@@ -53,6 +58,8 @@ class Surface(NamedTuple):
     now: FloatArray
     turned: FloatArray
     extent: FloatArray  #: (n, 2, 3) float64: Likewise half-edges.
+    #: (n, 2^D) float64: Means of the weights of its cell's vertices over each facet.
+    means: FloatArray
     #: (3,) float64 or (): Period by direction, 0 where there is none; () if no face is periodic.
     periods: Any
 

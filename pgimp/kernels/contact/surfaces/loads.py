@@ -16,8 +16,8 @@ from pgimp.kernels.contact.books import losses_of
 from pgimp.kernels.contact.data import impulse_of
 from pgimp.kernels.contact.lagrangian.gauss_seidel import load_pair
 from pgimp.kernels.contact.surfaces.data import turns
+from pgimp.kernels.contact.surfaces.levels import end_of_patch, entry_of
 from pgimp.kernels.contact.surfaces.pressed import pressing
-from pgimp.kernels.contact.surfaces.rows import _law_of
 
 #: Columns of the loads: impulse; its part along normals, positive in compression; the way that the
 #: other body slid while it pressed; energy of friction. Then scratch of a step: the impulse along
@@ -176,7 +176,7 @@ def add_loads(contact, contact_pairs, coupling, solved, frame, surface, every, s
     Parameters
     ----------
     contact, contact_pairs, coupling, solved
-        See `pgimp.kernels.contact.lagrangian.gauss_seidel.solve_impulses`, with the impulses.
+        See `pgimp.kernels.contact.surfaces.groups.solve_groups`, with the impulses.
     surface : Surface
         The facets, where they are.
     every : (n,) NEAR_FACET
@@ -195,13 +195,8 @@ def add_loads(contact, contact_pairs, coupling, solved, frame, surface, every, s
         while last <= first or (
             surface.patch[every[first].facet] != end.vertex[0] or every[first].body != end.vertex[1]
         ):
-            first, last = last, last + 1
-            while (
-                last < len(every)
-                and every[last].body == every[first].body
-                and surface.patch[every[last].facet] == surface.patch[every[first].facet]
-            ):
-                last += 1
+            first = last
+            last = end_of_patch(surface, every, first)
         side, least = end.vertex[2] // 2, 1e300
         J = (impulse_of(row, 0), impulse_of(row, 1), impulse_of(row, 2))
         if J[0] == 0.0 and J[1] == 0.0 and J[2] == 0.0:
@@ -218,9 +213,7 @@ def add_loads(contact, contact_pairs, coupling, solved, frame, surface, every, s
             across += (v[d] - u[d]) * row.normal[d]
         for d in range(3):
             square += (v[d] - u[d] - across * row.normal[d]) ** 2
-        _, swapped, _ = _law_of(
-            contact.pairs, surface.body[every[first].facet], every[first].body, cell, 0.0
-        )
+        _, swapped = entry_of(contact.pairs, surface.body[every[first].facet], every[first].body)
         sign, place = 1.0 if swapped else -1.0, contact_pairs.rigid[k, 2]
         tangents = _tangents(row.normal)
         for n in range(first, last):

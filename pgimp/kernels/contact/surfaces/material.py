@@ -296,7 +296,7 @@ def find_material_gaps(frame, surface, some, sums, groups, far, every, into) -> 
             if found < len(every):
                 near, up = every[found], max(gap, 0.0)
                 near.facet, near.body, near.other = f, b, -1
-                near.gap = gap
+                near.gap, near.facing, near.pieces = gap, 1.0, 0
                 for d in range(3):
                     near.normal[d] = -normal[d]
                     near.edges[0, d] = near.edges[1, d] = near.offset[d] = 0.0

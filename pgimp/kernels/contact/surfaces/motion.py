@@ -3,6 +3,11 @@
 from math import sqrt
 
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
+from pgimp.jit.vectors.rows import load_row, store_row
+from pgimp.jit.vectors.simd import lane, pack, vector
+from pgimp.kernels.contact.lagrangian.reference_grid import read_reference_vertices
+from pgimp.kernels.data.motion import DISPLACEMENT
+from pgimp.kernels.data.record import RECORD
 
 
 @inner_kernel
@@ -16,56 +21,71 @@ def hat(D, place, corner):
 
 @inner_kernel
 def set_polynomial(D, cells, c, u, P):
-    """Set the coefficients of the displacement in a cell, (2^D, 3), by the factors' bits.
+    """Set the coefficients of the displacement in a cell, (2^D, 4), by the factors' bits.
 
     Entry e is the coefficient of the product of the places along the directions of its bits, see
     `hat`.
     """
     for corner in range(1 << D):
-        v = cells.corners[c, corner]
-        for i in range(3):
-            P[corner, i] = u[v, i]
+        store_row(P, corner, 0, load_row(u, cells.corners[c, corner], 0))
     for d in range(D):
         bit = 1 << (D - 1 - d)
         for corner in range(1 << D):
             if corner & bit:
-                for i in range(3):
-                    P[corner, i] -= P[corner ^ bit, i]
+                store_row(P, corner, 0, load_row(P, corner, 0) - load_row(P, corner ^ bit, 0))
 
 
 @inner_kernel
-def deform(frame, P, place, x, F):
-    """Add the displacement at a place in a cell to `x`, and set the deformation gradient F."""
-    D = len(frame.cell)
-    for i in range(3):
-        x[i] += P[0, i]
-        for j in range(3):
-            F[i, j] = 1.0 if i == j else 0.0
-    for e in range(1, 1 << D):
-        whole = 1.0
-        for d in range(D):
-            whole *= place[d] if e >> (D - 1 - d) & 1 else 1.0
-        for i in range(3):
-            x[i] += P[e, i] * whole
-        for j in range(D):
-            if e >> (D - 1 - j) & 1:
-                part = frame.inverse[j]
-                for d in range(D):
-                    part *= place[d] if d != j and e >> (D - 1 - d) & 1 else 1.0
-                for i in range(3):
-                    F[i, j] += P[e, i] * part
+def gradient(frame, P, place):
+    """Columns of the deformation gradient at a place in a cell, in lanes, and the displacement."""
+    D, p, x = len(frame.cell), load_row(P, 0, 0), place[0]
+    first, second, third = vector(0.0), vector(0.0), vector(0.0)
+    if D == 1:
+        first = load_row(P, 1, 0)
+        p = x * first + p
+    if D == 2:
+        y, both = place[1], load_row(P, 3, 0)
+        first = y * both + load_row(P, 2, 0)
+        second = x * both + load_row(P, 1, 0)
+        p = x * first + (y * load_row(P, 1, 0) + p)
+    if D == 3:
+        y, z, every = place[1], place[2], load_row(P, 7, 0)
+        part, rest = z * every + load_row(P, 6, 0), z * load_row(P, 3, 0) + load_row(P, 2, 0)
+        first = y * part + (z * load_row(P, 5, 0) + load_row(P, 4, 0))
+        second = x * part + rest
+        third = x * (y * every + load_row(P, 5, 0)) + (y * load_row(P, 3, 0) + load_row(P, 1, 0))
+        p = x * first + (y * rest + (z * load_row(P, 1, 0) + p))
+    return (
+        frame.inverse[0] * first + pack(1.0, 0.0, 0.0, 0.0),
+        (frame.inverse[1] if D > 1 else 0.0) * second + pack(0.0, 1.0, 0.0, 0.0),
+        (frame.inverse[2] if D > 2 else 0.0) * third + pack(0.0, 0.0, 1.0, 0.0),
+    ), (lane(p, 0), lane(p, 1), lane(p, 2))
 
 
 @inner_kernel
-def turned_normal(F, normal):
-    """Cofactor of F times a normal, by Nanson's formula: along the current normal; a triple."""
-    x, y, z = 0.0, 0.0, 0.0
-    for j in range(3):
-        a, b, n = (j + 1) % 3, (j + 2) % 3, normal[j]
-        x += n * (F[1, a] * F[2, b] - F[1, b] * F[2, a])
-        y += n * (F[2, a] * F[0, b] - F[2, b] * F[0, a])
-        z += n * (F[0, a] * F[1, b] - F[0, b] * F[1, a])
-    return x, y, z
+def cross(a, b):
+    """Cross product of vectors in lanes, a triple."""
+    x, y, z = lane(a, 0), lane(a, 1), lane(a, 2)
+    u, v, w = lane(b, 0), lane(b, 1), lane(b, 2)
+    return y * w - z * v, z * u - x * w, x * v - y * u
+
+
+@inner_kernel
+def cofactors(F):
+    """Columns of the cofactors of F, given its columns, and its determinant."""
+    a, b, c = cross(F[1], F[2]), cross(F[2], F[0]), cross(F[0], F[1])
+    J = lane(F[0], 0) * a[0] + lane(F[0], 1) * a[1] + lane(F[0], 2) * a[2]
+    return (a, b, c), J
+
+
+@inner_kernel
+def turned_normal(K, n):
+    """Cofactors times a normal, by Nanson's formula: along the current normal; a triple."""
+    a, b, c = K
+    return (
+        n[0] * a[0] + n[1] * b[0] + n[2] * c[0], n[0] * a[1] + n[1] * b[1] + n[2] * c[1],
+        n[0] * a[2] + n[1] * b[2] + n[2] * c[2],
+    )  # fmt: skip
 
 
 @inner_kernel
@@ -85,15 +105,20 @@ def set_means(D, place, edges, hats):
         hats[corner] = w
 
 
-@inner_kernel
-def set_own_means(frame, surface, f, pieces):
-    """Set the means of the weights of a facet's own cell over it, the first of `pieces`."""
-    edges = pieces[2][0]
-    for d in range(3):
-        inverse = frame.inverse[d] if d < len(frame.cell) else 0.0
-        edges[0, d] = surface.edges[f, 0, d] * inverse
-        edges[1, d] = surface.edges[f, 1, d] * inverse
-    set_means(len(frame.cell), surface.place[f], edges, pieces[1][0])
+@kernel
+def find_means(frame, surface, edges):
+    """Set the means of the weights of each facet's own cell over it.
+
+    `edges` is scratch, (2, 3) float64.
+    """
+    for f in range(len(surface.x)):
+        if surface.cell[f] < 0:
+            continue
+        for d in range(3):
+            inverse = frame.inverse[d] if d < len(frame.cell) else 0.0
+            edges[0, d] = surface.edges[f, 0, d] * inverse
+            edges[1, d] = surface.edges[f, 1, d] * inverse
+        set_means(len(frame.cell), surface.place[f], edges, surface.means[f])
 
 
 @inlined
@@ -120,14 +145,14 @@ def move_facets(frame, rigid_bodies, surface, cells, u, some, scratch):
 
     Parameters
     ----------
-    u : (vertices, 3) float64
-        Displacements of the surface vertices.
+    u : (vertices, 4) float64
+        Displacements of the surface vertices; the last entries are not looked at.
     some : (n,) int64
         The facets.
-    scratch : ((3, 3) float64, (2^D, 3) float64, (3,) float64, pieces)
-        Scratch; the last as of `spread_weights`.
+    scratch : tuple
+        See `pgimp.kernels.contact.surfaces.spread.scratch_of`.
     """
-    D, (F, P, _, pieces), last = len(frame.cell), scratch, -1
+    D, P, last = len(frame.cell), scratch[0], -1
     for n in range(len(some)):
         f = some[n]
         c = surface.cell[f]
@@ -137,18 +162,67 @@ def move_facets(frame, rigid_bodies, surface, cells, u, some, scratch):
         if c != last:
             set_polynomial(D, cells, c, u, P)
             last = c
-        deform(frame, P, surface.place[f], surface.now[f], F)
-        set_own_means(frame, surface, f, pieces)
-        for i in range(3):
-            surface.now[f, i] = surface.x[f, i]
-            for corner in range(1 << D):
-                surface.now[f, i] += pieces[1][0, corner] * u[cells.corners[c, corner], i]
-            for side in range(2):
-                whole = 0.0
-                for j in range(3):
-                    whole += F[i, j] * surface.edges[f, side, j]
-                surface.extent[f, side, i] = whole
-        normal = turned_normal(F, surface.normal[f])
-        length = sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
+        way = surface.means[f, 0] * load_row(u, cells.corners[c, 0], 0)
+        for corner in range(1, 1 << D):
+            way = surface.means[f, corner] * load_row(u, cells.corners[c, corner], 0) + way
+        F, _ = gradient(frame, P, surface.place[f])
+        K, _ = cofactors(F)
+        normal = turned_normal(K, surface.normal[f])
+        length = 1.0 / sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
+        set_triple(surface.turned[f], length * pack(normal[0], normal[1], normal[2], 0.0))
+        surface.now[f, 0] = surface.x[f, 0] + lane(way, 0)
+        surface.now[f, 1] = surface.x[f, 1] + lane(way, 1)
+        surface.now[f, 2] = surface.x[f, 2] + lane(way, 2)
+        for side in range(D - 1):
+            e = surface.edges[f, side]
+            set_triple(surface.extent[f, side], e[0] * F[0] + (e[1] * F[1] + e[2] * F[2]))
+
+
+@inner_kernel
+def set_triple(into, v):
+    """Store three components."""
+    into[0], into[1], into[2] = lane(v, 0), lane(v, 1), lane(v, 2)
+
+
+@kernel
+def read_vertices(holding, field, keys, records, values, u) -> float:
+    """Copy surface vertices; returns the greatest component of their velocities.
+
+    Parameters
+    ----------
+    holding, field, keys, values
+        See `read_reference_vertices`.
+    records : (m,) int64
+        Numbers of their records.
+    u : (m, 4) float64
+        Set to their displacements; the last entries mean nothing.
+    """
+    most, motion = 0.0, field.motion.values
+    read_reference_vertices(holding, field, keys, values)
+    for n in range(len(keys)):
+        for d in range(4):
+            u[n, d] = motion[records[n] * RECORD + DISPLACEMENT + d]
         for d in range(3):
-            surface.turned[f, d] = normal[d] / length
+            most = max(most, abs(values[n].velocity[d]))
+    return most
+
+
+@kernel
+def find_travels(values, of, dt, travels):
+    """Increase the ways of bodies' fastest vertices in a step.
+
+    Parameters
+    ----------
+    values : (m,) REFERENCE_VERTEX
+        Surface vertices.
+    of : (k, 2) int64
+        Bodies, and the vertices that move them.
+    dt : float
+        The step.
+    travels : (bodies,) float64
+        Greatest components of their ways.
+    """
+    for n in range(len(of)):
+        for d in range(3):
+            way = dt * abs(values[of[n, 1]].velocity[d])
+            travels[of[n, 0]] = max(travels[of[n, 0]], way)

@@ -9,24 +9,19 @@ from math import inf
 
 from pgimp.jit.kernel import inner_kernel
 
-#: Power of the cosine between a facet and what it meets in the area that faces it, so that edges
-#: between two faces of a body do not count there.
-_FACING = 8
-
 #: Cells by which gaps of facets under pressure are above the least of their patch, at most: the
 #: sagitta of a cell on a disk with a radius of two cells.
 _TOUCHING = 0.06
 
 
 @inner_kernel
-def faces(surface, near):
-    """Part of a facet that faces the other body: 1 if parallel, little where it is askew."""
-    if not near.gap < inf:
-        return 0.0
-    cosine = 0.0
-    for d in range(3):
-        cosine -= surface.turned[near.facet, d] * near.normal[d]
-    return max(cosine, 0.0) ** _FACING
+def facing_part(same):
+    """Part of a facet that faces the other body: 1 if parallel, little where it is askew.
+
+    `same` is the cosine between its normal and that of the other body.
+    """
+    square = same * same
+    return square * square * square * square if same < 0.0 else 0.0
 
 
 @inner_kernel
@@ -34,7 +29,7 @@ def pressing(surface, near, side, least, cell):
     """Area of a facet as far as it may press, given the least gap of its patch on a side."""
     if near.side != side or not near.gap < least + _TOUCHING * cell:
         return 0.0
-    return surface.area[near.facet] * faces(surface, near)
+    return surface.area[near.facet] * near.facing
 
 
 @inner_kernel
@@ -58,12 +53,12 @@ def pressed_area(surface, every, first, last, side, least, cell):
     whole = area
     for d in range(3):
         low, high, at = inf, -inf, 0.0
-        for n in range(first, last):
+        for n in range(first if d != axis else last, last):
             s = every[n].facet
             at += every[n].weight * surface.x[s, d]
             if pressing(surface, every[n], side, least, cell) > 0.0:
                 low = min(low, surface.x[s, d] - surface.half[s, d])
                 high = max(high, surface.x[s, d] + surface.half[s, d])
-        if d != axis and low < high:
+        if low < high:
             whole *= max(0.0, min(1.0, 3.0 * min(at - low, high - at) / (high - low)))
     return whole

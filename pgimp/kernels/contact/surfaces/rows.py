@@ -1,13 +1,8 @@
 """Pairs of a patch and another body, and their rows of the coupling matrix.
 
-The gap G of a patch is a smooth least one of its facets' gaps g_k. A level s solves
-
-    sum_k A_k max(0, s - g_k)^2 = A d^2,   G = s - d.
-
-A_k are the facets' areas, A is the area of those that face the other body, and d a small length. G
-is the gap itself where a patch and what it meets are parallel. Its derivatives are weights,
-W_k ~ A_k max(0, s - g_k), which add up to 1. So the constraint G >= 0 acts where the patch touches.
-It neither takes nor gives energy: it is holonomic. The velocity at the patch is the mean
+The gap G of a patch is that of `pgimp.kernels.contact.surfaces.levels`, with weights W_k of its
+facets. So the constraint G >= 0 acts where the patch touches. It neither takes nor gives energy: it
+is holonomic. The velocity at the patch is the mean
 
     w = sum_k W_k sum_j N_j(X_k) v_j.
 
@@ -24,109 +19,23 @@ from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.kernels.contact.data import clear_pair
 from pgimp.kernels.contact.lagrangian.coupling import set_answer
 from pgimp.kernels.contact.surfaces.held import release_across
-from pgimp.kernels.contact.surfaces.motion import set_own_means
-from pgimp.kernels.contact.surfaces.pressed import faces, pressed_area
+from pgimp.kernels.contact.surfaces.levels import (
+    FADES,
+    NEAR,
+    end_of_patch,
+    find_sides,
+    law_of,
+    level,
+    share,
+)
+from pgimp.kernels.contact.surfaces.pressed import pressed_area
 from pgimp.kernels.contact.surfaces.spread import spread_weights
 from pgimp.kernels.rigid.bodies import arm_of
 from pgimp.physics.contact.base import TIED
 
-#: The length d in cells.
-FADES = 0.002
-
-#: Iterations for the level, at most, and the change over d that ends them.
-_NEWTON, _EXACT = 40, 1e-12
-
-#: Least area A, in areas of the patch.
-_LEAST = 0.03
-
-#: Cells of gap above which a patch has no pair. Over the greatest distance of a vertex in the step
-#: the gap above which it has none either, and cells of gap at which it always has one.
-NEAR, SOON, TOUCHES = 0.25, 4.0, 1e-3
-
 #: Cells by which overlapping surfaces part in a step, at most; others than rigid ones beyond what
 #: compliance takes, see `soften`.
 PARTS = 2e-5
-
-#: Least cosine between normals on one side of a body.
-_ONE_SIDE = 0.7
-
-
-@inner_kernel
-def _side_of(surface, f):
-    """Number of the side of facet `f`, by its normal in the initial state; 0 of walls."""
-    if f < 0:
-        return 0
-    axis = 0
-    for d in range(1, 3):
-        if abs(surface.normal[f, d]) > abs(surface.normal[f, axis]):
-            axis = d
-    return 2 * axis + (1 if surface.normal[f, axis] > 0.0 else 0)
-
-
-@inner_kernel
-def _find_sides(surface, every, first, last, near):
-    """Set the sides of the other body that facets of a patch meet; returns the mask of these.
-
-    The nearest facet's side has all those with normals like its own. Facets without a gap are on
-    side -1; there is none unless a gap is below `near`.
-    """
-    mask = 0
-    for n in range(first, last):
-        every[n].side = -1
-    while True:
-        best, least = -1, near if mask == 0 else inf
-        for n in range(first, last):
-            if every[n].side < 0 and every[n].gap < least:
-                least, best = every[n].gap, n
-        if best < 0:
-            return mask
-        side = _side_of(surface, every[best].other)
-        while mask >> side & 1:
-            side += 6
-        mask |= 1 << side
-        for n in range(first, last):
-            same = 0.0
-            for d in range(3):
-                same += every[n].normal[d] * every[best].normal[d]
-            if n == best or (every[n].side < 0 and every[n].gap < inf and same > _ONE_SIDE):
-                every[n].side = side
-
-
-@inner_kernel
-def _level(surface, every, first, last, side, least, width):
-    """Level of a patch above the least gap, by Newton's method from above."""
-    near, whole, most = inf, 0.0, 0.0
-    for n in range(first, last):
-        area = surface.area[every[n].facet]
-        most += area
-        if every[n].side == side:
-            whole += area * faces(surface, every[n])
-            if every[n].gap == least:
-                near = min(near, area)
-    whole = max(whole, _LEAST * most)
-    s = least + width * sqrt(whole / near)
-    for _ in range(_NEWTON):
-        value, slope = -whole * width * width, 0.0
-        for n in range(first, last):
-            if every[n].side != side:
-                continue
-            deep = max(0.0, s - every[n].gap)
-            area = surface.area[every[n].facet]
-            value += area * deep * deep
-            slope += 2.0 * area * deep
-        s -= value / slope
-        if not value > _EXACT * width * slope:
-            break
-    return s
-
-
-@inner_kernel
-def _share(surface, near, side, level, tied):
-    """Weight of a facet in its patch; of tied ones `level` is where ties end."""
-    if near.side != side or not near.gap < level:
-        return 0.0
-    area = surface.area[near.facet]
-    return area if tied else area * (level - near.gap)
 
 
 @inner_kernel
@@ -160,44 +69,33 @@ def _add_row(frame, surface, cells, group, own, at, scratch, coupling):
     `group` are facets with their weights, the first and the end of the patch's; `at` the number of
     the row, and of entries so far.
     """
-    (_, seen, sums, pieces), (every, first, last), (r, used), c = scratch, group, at, -1
+    (_, seen, sums, pieces, kept), (every, first, last), (r, used), c = scratch, group, at, -1
     D = len(frame.cell)
     for n in range(first, last):
-        part = every[n].weight
+        near, part = every[n], every[n].weight
         if part == 0.0:
             continue
-        f = every[n].facet if own else every[n].other
-        count = 1
-        if own:
-            pieces[0][0] = surface.cell[f]
-            set_own_means(frame, surface, f, pieces)
-        else:
-            count = spread_weights(D, cells, surface.cell[f], every[n], pieces)
+        f, count = near.facet if own else near.other, 1
+        if not own:
+            count = near.pieces
+            if count == 0:
+                count = spread_weights(D, cells, surface.cell[f], near, pieces)
         for m in range(count):
-            if pieces[0][m] != c:
+            cell, k = surface.cell[f], near.piece + m
+            if not own:
+                cell = kept[0][k] if near.pieces > 0 else pieces[0][m]
+            if cell != c:
                 if c >= 0:
                     used = _add_cell(D, cells, c, sums, r, used, seen, coupling)
-                c = pieces[0][m]
+                c = cell
             for corner in range(1 << D):
-                sums[corner] += part * pieces[1][m, corner]
+                if own:
+                    sums[corner] += part * surface.means[f, corner]
+                elif near.pieces > 0:
+                    sums[corner] += part * kept[1][k, corner]
+                else:
+                    sums[corner] += part * pieces[1][m, corner]
     return _add_cell(D, cells, c, sums, r, used, seen, coupling) if c >= 0 else used
-
-
-@inner_kernel
-def _law_of(pairs, a, b, cell, travel):
-    """Entry of the law of two bodies, 0 without one, whether b comes first, and how near they act.
-
-    `cell` is the least side of a cell.
-    """
-    entry, swapped = pairs.entry[min(a, b), max(a, b)], a > b
-    if entry < 0:
-        entry, swapped = -entry, not swapped
-    if entry == 0:
-        return entry, swapped, 0.0
-    near = NEAR * cell
-    if pairs.kind[entry - 1] != TIED:
-        near = max(min(near, SOON * travel), pairs.adhesion[entry - 1, 2])
-    return entry, swapped, near
 
 
 @inner_kernel
@@ -217,20 +115,20 @@ def _set_pair(contact, surface, group, side, law, size, pair):
     if not least < near:
         return False
     normal, shear, reach = pairs.adhesion[entry - 1]
-    level, glued = NEAR * cell, 0.0
+    above, glued = NEAR * cell, 0.0
     if not tied:
-        level = _level(surface, every, first, last, side, least, FADES * cell)
+        above = level(surface, every, first, last, side, least, FADES * cell)
     clear_pair(row)
     end.law = entry
     end.bodies[0], end.bodies[1] = (b, a) if swapped else (a, b)
     end.vertex[0], end.vertex[1] = surface.patch[every[first].facet], b
     end.vertex[2] = 2 * side  # none is beside another one
-    whole, gap, sign = 0.0, level - FADES * cell, 1.0 if swapped else -1.0
+    whole, gap, sign = 0.0, above - FADES * cell, 1.0 if swapped else -1.0
     for k in range(3):
         for d in range(3):
             rigid[k, d] = 0.0
     for n in range(first, last):
-        s, w = every[n].facet, _share(surface, every[n], side, level, tied)
+        s, w = every[n].facet, share(surface, every[n], side, above, tied)
         if every[n].side == side and every[n].gap < reach:
             glued += surface.area[s]
         if w == 0.0:
@@ -244,14 +142,16 @@ def _set_pair(contact, surface, group, side, law, size, pair):
     square = row.normal[0] ** 2 + row.normal[1] ** 2 + row.normal[2] ** 2
     if not square > 0.0:
         return False
+    inverse = 1.0 / sqrt(square)
     for d in range(3):
-        row.normal[d] /= sqrt(square)
+        row.normal[d] *= inverse
         rigid[2, d] /= whole
     # Facets beyond these are of material in the current configuration: it does not part.
     row.gap_rate = (gap if every[first].other < len(surface.patch) else max(gap, 0.0)) / dt
     row.adhesion, row.shear_adhesion = normal * glued * dt, shear * glued * dt
+    whole = 1.0 / whole
     for n in range(first, last):
-        every[n].weight /= whole
+        every[n].weight *= whole
     pressed = pressed_area(surface, every, first, last, side, least, cell)
     row.area = max(row.area, pressed, glued)
     return True
@@ -284,10 +184,10 @@ def find_patch_pairs(
         Laws and rigid bodies.
     every : (n,) NEAR_FACET
         Facets with their gaps, by patch and other body. Sides and weights are set here.
-    step : (float, float)
-        Length of the step, and greatest speed of a vertex or of a rigid body.
-    scratch : ((m, NUMBERS) float64, (2, m) int64, (2^D,) float64, pieces)
-        The records of `ReferenceVertices`, and scratch; the last as of `spread_weights`.
+    step : (float, (bodies,) float64)
+        Length of the step, and the ways of the fastest vertices in it, see `law_of`.
+    scratch : ((m, NUMBERS) float64, (2, m) int64, (2^D,) float64, pieces, kept)
+        The records of `ReferenceVertices`, and scratch; the last two as of `scratch_of`.
     found : (ContactPairs, Coupling)
         Filled: pairs, with room for one each `n`, and their rows, as far as there is room.
 
@@ -296,28 +196,21 @@ def find_patch_pairs(
     tuple of 3 int
         Numbers of pairs, rows and entries.
     """
-    D, (numbers, seen, sums, _), (dt, fastest) = len(frame.cell), scratch, step
+    D, (numbers, seen, sums, _, _), (dt, travels) = len(frame.cell), scratch, step
     contact_pairs, coupling = found
     cell = frame.cell[0]
     for d in range(D):
         cell = min(cell, frame.cell[d])
-    travel = fastest * dt + TOUCHES / SOON * cell
     seen[0, :] = -1
     sums[:] = 0.0
     pairs, rows, used, first, start = 0, 0, 0, 0, coupling.start
     start[0] = 0
     while first < len(every):
-        s, last = every[first].facet, first
-        while (
-            last < len(every)
-            and every[last].body == every[first].body
-            and surface.patch[every[last].facet] == surface.patch[s]
-        ):
-            last += 1
-        law = _law_of(contact.pairs, surface.body[s], every[first].body, cell, travel)
+        s, last = every[first].facet, end_of_patch(surface, every, first)
+        law = law_of(contact.pairs, surface.body[s], every[first].body, cell, travels)
         sides, side = 0, -1
         if law[0] > 0:
-            sides = _find_sides(surface, every, first, last, law[2])
+            sides = find_sides(surface, every, first, last, law[2])
         while sides >> (side + 1) != 0:
             side += 1
             if sides >> side & 1 == 0:

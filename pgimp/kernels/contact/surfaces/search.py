@@ -3,10 +3,13 @@
 from math import inf
 
 from pgimp.jit.kernel import inner_kernel, kernel
-from pgimp.kernels.contact.surfaces.gaps import STEEP, apart, reluctance
+from pgimp.kernels.contact.surfaces.nearest import apart, reluctance
 from pgimp.kernels.data.motion import DISPLACEMENT
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.once.neighbours import first_not_below
+
+#: Cosine below which facets that others look for leave it to these.
+STEEP = -0.8
 
 
 @kernel
@@ -169,10 +172,10 @@ def find_meeting(surface, acts, some, bins, reach, marks, best, every):
     acts : (bodies, bodies) uint8
         Whether facets of the first body look for those of the second.
     some : (n,) int64
-        The facets to look at.
-    bins : ((n,) int64, (n,) int64, (n,) int64, (3,) int64)
-        Keys of the bins that they are in, with sides of the reach; these keys, ascending, and the
-        facets' offsets in `some` in that order; strides, see `find_beside`.
+        The facets to look at, by bins.
+    bins : ((n,) int64, (n, 3) float64, (3,) int64, (2, 9) int64)
+        Keys of the bins that they are in, with sides of the reach, ascending; their centroids;
+        strides of keys, see `find_beside`; scratch.
     reach : (float, float)
         Greatest distance, and the side of a cell.
     marks : (facets,) uint8
@@ -187,25 +190,26 @@ def find_meeting(surface, acts, some, bins, reach, marks, best, every):
     int
         How many there are.
     """
-    found, (key_of, keys, order, strides), (least, nearest, met) = 0, bins, best
+    found, (keys, x, strides, ranges), (least, nearest, met) = 0, bins, best
     for n in range(len(some)):
         s, bodies = some[n], 0
+        if n == 0 or keys[n] != keys[n - 1]:
+            for way in range(9):
+                i, j = way // 3 - 1, way % 3 - 1
+                ranges[0, way] = ranges[1, way] = 0
+                if (i == 0 or strides[0] != 0) and (j == 0 or strides[1] != 0):
+                    key = keys[n] + i * strides[0] + j * strides[1]
+                    ranges[0, way] = first_not_below(keys, key - 1)
+                    ranges[1, way] = first_not_below(keys, key + 2)
         for way in range(9):
-            i, j = way // 3 - 1, way % 3 - 1
-            if (i != 0 and strides[0] == 0) or (j != 0 and strides[1] == 0):
-                continue
-            key = key_of[n] + i * strides[0] + j * strides[1]
-            at = first_not_below(keys, key - 1)
-            while at < len(keys) and keys[at] <= key + 1:
-                f, square, same = some[order[at]], 0.0, 0.0
-                at += 1
-                if not _looks(surface, acts, reach[1], s, f):
+            for m in range(ranges[0, way], ranges[1, way]):
+                square, same, f = 0.0, 0.0, some[m]
+                for d in range(3):
+                    square += (x[n, d] - x[m, d]) ** 2
+                if square > reach[0] * reach[0] or not _looks(surface, acts, reach[1], s, f):
                     continue
                 for d in range(3):
-                    square += (surface.now[s, d] - surface.now[f, d]) ** 2
                     same += surface.turned[s, d] * surface.turned[f, d]
-                if square > reach[0] * reach[0]:
-                    continue
                 marks[f] = marks[s] = 1
                 square, b = square + reluctance(same, reach[1]), surface.body[f]
                 if same < STEEP and acts[surface.body[s], b] == 0:

@@ -32,9 +32,14 @@ def pieces_of(D: int) -> Pieces:
     return np.zeros(count, np.int64), np.zeros((count, 2**D)), np.zeros((2, 16, 3)), np.zeros(3)
 
 
+def kept_of(D: int, count: int) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Allocate for so many pieces of facets that are kept within a step: cells, and weights."""
+    return np.zeros(count, np.int64), np.zeros((count, 2**D))
+
+
 def scratch_of(D: int) -> tuple[Any, ...]:
-    """Allocate what `move_facets` and `find_gaps` need."""
-    return np.zeros((3, 3)), np.zeros((2**D, 3)), np.zeros(3), pieces_of(D)
+    """Allocate what `move_facets` and `find_gaps` need; the last are pieces that they keep."""
+    return np.zeros((2**D, 4)), np.zeros(3), pieces_of(D), kept_of(D, 0)
 
 
 @inner_kernel
@@ -131,6 +136,22 @@ def _set_segment(place, edges, ways, part):
 
 
 @inner_kernel
+def _meets(D, place, edges, d):
+    """Bits of where a parallelogram reaches along `d`: below a cell, in it, above it."""
+    if d >= D:
+        return 2
+    reach, found = abs(edges[0, d]) + abs(edges[1, d]), 0
+    low, high = place[d] - reach, place[d] + reach
+    if low < -_REACHES:
+        found |= 1
+    if low <= 1.0 and high >= 0.0:
+        found |= 2
+    if high > 1.0 + _REACHES:
+        found |= 4
+    return found
+
+
+@inner_kernel
 def _find_pieces(D, cells, c, place, edges, pieces):
     """Find the pieces of a parallelogram in a cell and in those beside it; how many there are.
 
@@ -155,22 +176,16 @@ def _find_pieces(D, cells, c, place, edges, pieces):
         set_means(D, place, edges, hats[0])
         return 1
     whole = 4.0 * sqrt(whole)
-    for way in range(3**D):
-        rest, cell, meets = way, c, True
-        for d in range(D):
-            reach, there = abs(edges[0, d]) + abs(edges[1, d]), rest % 3
-            ways[d] = there - 1.0
-            rest //= 3
-            if there == 1:
-                meets = meets and place[d] - reach <= 1.0 and place[d] + reach >= 0.0
-                continue
-            if there == 0:
-                meets = meets and place[d] - reach < -_REACHES
-            else:
-                meets = meets and place[d] + reach > 1.0 + _REACHES
-            cell = cells.beside[cell, 2 * d + there // 2] if cell >= 0 else -1
-        if not meets:
+    x, y, z = _meets(D, place, edges, 0), _meets(D, place, edges, 1), _meets(D, place, edges, 2)
+    for way in range(27):
+        there = way % 3, way // 3 % 3, way // 9
+        if not (x >> there[0] & 1 and y >> there[1] & 1 and z >> there[2] & 1):
             continue
+        cell = c
+        for d in range(D):
+            ways[d] = there[d] - 1.0
+            if there[d] != 1:
+                cell = cells.beside[cell, 2 * d + there[d] // 2] if cell >= 0 else -1
         own = hats[found]
         if D == 2:
             share = _set_segment(place, edges, ways, scratch[0])
@@ -222,12 +237,33 @@ def spread_weights(D, cells, c, near, pieces):
     number, hats = pieces[0], pieces[1]
     count = _find_pieces(D, cells, c, near.place, near.edges, pieces)
     number[count] = c
+    set_offset(D, near, hats[count])
+    return count + 1
+
+
+@inner_kernel
+def set_offset(D, near, hats):
+    """Set what a facet's offset adds to the weights of the cell with its centroid."""
     for corner in range(1 << D):
         w = 0.0
         for d in range(D):
             w += near.offset[d] * _slope(D, near.place, corner, d)
-        hats[count, corner] = w
-    return count + 1
+        hats[corner] = w
+
+
+@inner_kernel
+def keep_pieces(D, near, used, pieces, count, kept):
+    """Keep the pieces of a facet, if there is room from `used` on; the number of those kept."""
+    numbers, hats = kept
+    near.piece, near.pieces = used, 0
+    if used + count > len(numbers):
+        return used
+    near.pieces = count
+    for n in range(count):
+        numbers[used + n] = pieces[0][n]
+        for corner in range(1 << D):
+            hats[used + n, corner] = pieces[1][n, corner]
+    return used + count
 
 
 @inner_kernel

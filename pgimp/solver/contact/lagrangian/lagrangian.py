@@ -11,10 +11,10 @@ from pgimp.kernels.contact.colouring import bound_bodies
 from pgimp.kernels.contact.data import Contact
 from pgimp.kernels.contact.lagrangian.books import book_contacts
 from pgimp.kernels.contact.lagrangian.coupling import Coupling
-from pgimp.kernels.contact.lagrangian.gauss_seidel import IMPULSES, solve_impulses
 from pgimp.kernels.contact.lagrangian.pairs import ContactPairs
-from pgimp.kernels.contact.lagrangian.reference_grid import NUMBERS, Changes
-from pgimp.kernels.contact.lagrangian.rows import Solved, begin_solution, find_changes
+from pgimp.kernels.contact.lagrangian.reference_grid import NUMBERS, Changes, ReferenceVertices
+from pgimp.kernels.contact.lagrangian.rows import Solved, begin_solution
+from pgimp.kernels.contact.surfaces.groups import PREPARED, find_changed, solve_groups
 from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
@@ -66,7 +66,7 @@ class ImpulseContact(NoContact):
         )
         self.free = FreeBodies(scene, comm) if scene.interaction.rigid_bodies.free else None
         self._warm_start = KeptForces(comm)
-        self._dt, self.sweeps = 0.0, 0
+        self._dt, self.sweeps, self._accuracy = 0.0, 0, ACCURACY
 
     @property
     def rigid_bodies(self) -> Any:
@@ -112,25 +112,39 @@ class ImpulseContact(NoContact):
     def _solve(self, joint: Joint, free: Holding, ledger: Ledger) -> Changes:
         """Solve for the impulses of pairs, and book them."""
         call = self.call
-        pairs, coupling, (keys, values) = joint
-        vertices, solved = flat(values), Solved.empty(len(values), coupling)
+        pairs, coupling, known = joint
+        vertices, solved = flat(known.values), Solved.empty(len(known.values), coupling)
         call(begin_solution, free.frame, vertices, coupling, solved)
         self._sweep(free, pairs, coupling, solved)
         self._warm_start.keep(pairs, self._dt)
-        changes = Changes(keys, *np.empty((2, len(keys), 3)))
-        call(find_changes, vertices, solved, changes)
+        changes = self._changes(known, solved)
         self._book(free, pairs, coupling, solved, vertices, ledger)
         return changes
+
+    def _changes(self, known: ReferenceVertices, solved: Solved) -> Changes:
+        """What the impulses have changed, of the vertices where there is any."""
+        keys, values = known
+        changes = Changes(np.empty(len(keys), np.int64), *np.empty((2, len(keys), 3)))
+        found = self.call(find_changed, keys, flat(values), solved, changes)
+        return Changes(changes.keys[:found], changes.velocities[:found], changes.held[:found])
 
     def _sweep(
         self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved
     ) -> None:
-        """Solve for the impulses of pairs, by sweeps."""
-        contact, call = self._contact, self.call
-        scratch = np.empty((2, len(pairs.ends), IMPULSES))
-        self._warm_start.begin(contact, pairs, coupling, solved, self._dt)
-        self.sweeps = call(
-            solve_impulses, contact, free, pairs, coupling, solved, scratch, *ACCURACY
+        """Solve for the impulses of pairs, by sweeps over those of all groups together."""
+        count = len(pairs.ends)
+        self._warm_start.begin(self._contact, pairs, coupling, solved, self._dt)
+        self._solve_groups(free, (pairs, np.arange(count), np.array([0, count])), coupling, solved)
+
+    def _solve_groups(
+        self, free: Holding, pairs: tuple[ContactPairs, np.ndarray, np.ndarray],
+        coupling: Coupling, solved: Solved,
+    ) -> None:  # fmt: skip
+        """Solve for the impulses of groups of pairs, see `solve_groups`."""
+        count = len(pairs[0].ends)
+        scratch = np.empty((2, count, 4)), np.empty((count, PREPARED))
+        self.sweeps = self.call(
+            solve_groups, self._contact, free, pairs, coupling, solved, scratch, self._accuracy
         )
 
     def _book(

@@ -20,7 +20,7 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.contact.lagrangian.joint import Joint, merged
 from pgimp.solver.contact.lagrangian.lagrangian import ImpulseContact
 from pgimp.solver.contact.surfaces.at_vertices import ContactAtVertices
-from pgimp.solver.contact.surfaces.contact import SurfaceContact
+from pgimp.solver.contact.surfaces.contact import Room, SurfaceContact
 from pgimp.solver.contact.surfaces.material import NearMaterial
 from pgimp.solver.contact.surfaces.table import Table
 from pgimp.solver.rank_state import RankState
@@ -37,6 +37,7 @@ class MixedContact(SurfaceContact):
         own = self._among(self.pairs)
         self._at_vertices = ContactAtVertices(scene, comm, own, self._walls)
         self._material: NearMaterial | None = None
+        self._beside = Room()
         self._proximity.alone = True  # bodies in the current configuration may join all groups
 
     def moved(self) -> None:
@@ -90,8 +91,10 @@ class MixedContact(SurfaceContact):
         if needed(material.near.any):
             met = material.meet(rank, rigid, self._holding(update))
             if met is not None:
-                step = t.dt, met.speed
-                found.append(self._pairs(met.surface, met.cells, met.every, met.vertices, step))
+                step = t.dt, self._travels(met.speed, t.dt)
+                found.append(
+                    self._pairs(met.surface, met.cells, met.every, met.vertices, step, self._beside)
+                )
         found.append(
             self._at_vertices.find(rank, self._proximity.root, self._holding(update), t.dt)
         )

@@ -11,33 +11,32 @@ from functools import partial
 import numpy as np
 
 from pgimp.jit.rehearsal import needed
+from pgimp.kernels.contact.data import Contact
 from pgimp.kernels.contact.lagrangian.books import book_held
 from pgimp.kernels.contact.lagrangian.coupling import Coupling
-from pgimp.kernels.contact.lagrangian.gauss_seidel import IMPULSES
 from pgimp.kernels.contact.lagrangian.pairs import ContactPairs
 from pgimp.kernels.contact.lagrangian.reference_grid import (
     REFERENCE_VERTEX,
     Changes,
     ReferenceVertices,
     change_velocities,
-    read_reference_vertices,
 )
 from pgimp.kernels.contact.lagrangian.rows import Solved
 from pgimp.kernels.contact.surfaces.data import Surface, SurfaceCells, no_facets
 from pgimp.kernels.contact.surfaces.gaps import find_gaps
-from pgimp.kernels.contact.surfaces.groups import book_groups, solve_groups
+from pgimp.kernels.contact.surfaces.groups import book_groups
+from pgimp.kernels.contact.surfaces.levels import TOUCHES
 from pgimp.kernels.contact.surfaces.loads import add_loads
-from pgimp.kernels.contact.surfaces.motion import move_facets
-from pgimp.kernels.contact.surfaces.rows import PARTS, TOUCHES, find_patch_pairs
+from pgimp.kernels.contact.surfaces.motion import find_travels, move_facets, read_vertices
+from pgimp.kernels.contact.surfaces.rows import PARTS, find_patch_pairs
 from pgimp.kernels.contact.surfaces.soft import LEAST_AREA, apply_impulses, soften
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
-from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.base import NoContact
 from pgimp.solver.contact.lagrangian.joint import Joint
-from pgimp.solver.contact.lagrangian.lagrangian import ACCURACY, ImpulseContact, flat, nothing_held
+from pgimp.solver.contact.lagrangian.lagrangian import ImpulseContact, flat, nothing_held
 from pgimp.solver.contact.lagrangian.messages import greatest
 from pgimp.solver.contact.surfaces.groups import (
     Grouped,
@@ -48,7 +47,7 @@ from pgimp.solver.contact.surfaces.groups import (
 )
 from pgimp.solver.contact.surfaces.loads import SurfaceLoads
 from pgimp.solver.contact.surfaces.overrun import OverrunWatch
-from pgimp.solver.contact.surfaces.proximity import Proximity, U
+from pgimp.solver.contact.surfaces.proximity import Proximity
 from pgimp.solver.contact.surfaces.rebounds import rebounds_of
 from pgimp.solver.contact.surfaces.seams import changes_of_images
 from pgimp.solver.contact.surfaces.table import Table, bits_of, table_of
@@ -70,7 +69,7 @@ class SurfaceContact(ImpulseContact):
         self._table: Table | None = None
         self._slaves: object = None
         self._acts = np.zeros((0, 0), np.uint8)
-        self._rate, self._room = 0.0, (ContactPairs.empty(0), Coupling.empty(0, 0))
+        self._rate, self._room = 0.0, Room()
         cell = scene.domain.frame.cell
         lengths = PARTS * min(cell), TOUCHES * min(cell)
         self._sizes = LEAST_AREA * min(cell) ** (len(cell) - 1), *lengths
@@ -79,7 +78,8 @@ class SurfaceContact(ImpulseContact):
         self._every = no_facets(0)
         rigid_bodies = scene.interaction.rigid_bodies
         self._watch = OverrunWatch(scene, [*scene.body_names, *rigid_bodies.names])
-        self._books = np.empty(0, np.int64), Ledger.empty(0, 0, 0)
+        self._books: tuple[np.ndarray, Ledger] | None = None
+        self._by_group: Grouped | None = None
         self._rebounds = rebounds_of(scene)
         first = self._walls.first
         for number in scene.interaction.rigid_bodies.free:  # they meet walls as other bodies do
@@ -117,6 +117,11 @@ class SurfaceContact(ImpulseContact):
     def proximity(self) -> Proximity:
         """What is near."""
         return self._proximity
+
+    @property
+    def laws(self) -> Contact:
+        """Laws and rigid bodies, for kernels."""
+        return self._contact
 
     @property
     def acts(self) -> np.ndarray:
@@ -194,31 +199,52 @@ class SurfaceContact(ImpulseContact):
     def _joint(self, rank: RankState, update: VertexUpdate, table: Table) -> Joint:
         """The pairs of surfaces in the rank's groups; collective."""
         call, grid, share, proximity = self.call, rank.grid, self._proximity.share, self._proximity
-        frame, rigid, surface = self.scene.domain.frame, self.rigid_bodies, table.surface
-        cells, every, scratch = share.cells, proximity.candidates, proximity.scratch
-        values = np.empty(len(share.records), REFERENCE_VERTEX)
-        call(read_reference_vertices, self._holding(update), grid.field, share.sent, values)
-        speed = greatest(self.comm, float(np.abs(values["velocity"]).max(initial=0.0)))
-        u = np.ascontiguousarray(grid.kept.values.reshape(-1, RECORD)[share.records, U])
+        frame, surface, cells, every = (
+            self.scene.domain.frame, table.surface, share.cells, proximity.candidates
+        )  # fmt: skip
+        values, u = (
+            np.empty(len(share.records), REFERENCE_VERTEX),
+            np.empty((len(share.records), 4)),
+        )
+        speed = call(
+            read_vertices, self._holding(update), grid.field, share.sent, share.records, values, u
+        )
+        speed = greatest(self.comm, speed)
         u, values = share.gather(self.comm, u), share.gather(self.comm, values)
-        call(move_facets, frame, rigid, surface, cells, u, share.moving, scratch)
+        call(
+            move_facets, frame, self.rigid_bodies, surface, cells, u,
+            proximity.moved_facets(self.rigid_bodies), proximity.scratch,
+        )  # fmt: skip
         least, dt = min(frame.cell), update.t.dt
-        far = proximity.far, proximity.walks((speed / least + self._rate) * dt)
-        call(find_gaps, frame, rigid, self._walls, surface, (cells, u), scratch, far, every)
-        vertices = ReferenceVertices(share.keys, values)
-        return self._pairs(surface, cells, every, vertices, (dt, speed))
+        travels = self._travels(0.0, dt)
+        call(find_travels, values, share.of, dt, travels)
+        walks = proximity.walks((speed / least + self._rate) * dt)
+        call(
+            find_gaps, frame, self._contact, self._walls, surface, (cells, u), proximity.scratch,
+            (proximity.far, walks, travels), every,
+        )  # fmt: skip
+        step = dt, travels
+        return self._pairs(
+            surface, cells, every, ReferenceVertices(share.keys, values), step, self._room
+        )
+
+    def _travels(self, speed: float, dt: float) -> np.ndarray:
+        """Ways of the fastest vertices of bodies, rigid bodies and walls in a step."""
+        found = np.full(self._walls.first + len(self._walls.planes), speed * dt)
+        found[self.bodies : self._walls.first] = self._rate * min(self.scene.domain.frame.cell) * dt
+        return found
 
     def _act(self, rank: RankState, update: VertexUpdate, joint: Joint | None) -> None:
         """Solve for the impulses of the rank's pairs, and apply them; collective."""
         scene, call, grid, (_, _, forcing, ledger) = self.scene, self.call, rank.grid, update
         frame, holding = scene.domain.frame, self._holding(update)
-        self._books = np.empty(0, np.int64), books_of(ledger, 0)
+        self._books = None
         changes = Changes(np.empty(0, np.int64), *np.empty((2, 0, 3)))
         if joint is not None and needed(len(joint.pairs.ends)):
             changes = self._solve(joint, nothing_held(holding), ledger)
         else:
             self._warm_start.clear()
-        add_books(self.comm, self._proximity.root, *self._books, ledger)
+        add_books(self.comm, self._proximity.root, self._books, ledger)
         answers = self.rigid_bodies.responses["trial_impulse"] if self.free else np.empty(0)
         changes = share_changes(self.comm, changes, answers)
         if not needed(len(changes.keys)):
@@ -235,8 +261,8 @@ class SurfaceContact(ImpulseContact):
     ) -> None:
         """See `ImpulseContact._sweep`; rigid bodies rebound."""
         sweep = partial(self._sweep_groups, free, pairs, coupling, solved)
+        self._by_group = grouped = Grouped.of(pairs, self._proximity.groups)
         if self._rebounds:
-            grouped = Grouped.of(pairs, self._proximity.groups)
             states = solved.velocity, solved.held_impulse
             self._rebounds.solve(self.rigid_bodies, pairs, grouped, states, sweep)
         else:
@@ -253,17 +279,14 @@ class SurfaceContact(ImpulseContact):
         compliant = coupling._replace(answer=coupling.answer.copy())
         softened = Solved(*(part.copy() for part in solved))
         softened = softened._replace(soft=np.zeros_like(coupling.answer))
-        scratch = (np.zeros(solved.velocity.shape), *np.zeros((2, count)))
-        kept = self._warm_start.kept
+        kept, sums = self._warm_start.kept, np.zeros(solved.velocity.shape)
+        scratch = (sums, *np.zeros((2, count)))
         sizes = self._dt, *self._sizes
         call(soften, contact, kept, pairs, compliant, softened, sizes, scratch)
         self._warm_start.begin(contact, pairs, compliant, softened, self._dt)
-        grouped = Grouped.of(pairs, self._proximity.groups)
-        self.sweeps = call(
-            solve_groups, contact, free, (grouped.pairs, grouped.first), compliant, softened,
-            np.empty((2, count, IMPULSES)), ACCURACY,
-        )  # fmt: skip
-        grouped.copy_to(pairs)
+        assert self._by_group is not None
+        order, first, *_ = self._by_group
+        self._solve_groups(free, (pairs, order, first), compliant, softened)
         call(apply_impulses, pairs, coupling, solved)
 
     def _book(
@@ -271,9 +294,11 @@ class SurfaceContact(ImpulseContact):
         vertices: np.ndarray, ledger: Ledger,
     ) -> None:  # fmt: skip
         """See `ImpulseContact._book`; of each group alone."""
-        grouped = Grouped.of(pairs, self._proximity.groups)
+        grouped = self._by_group
+        assert grouped is not None
         self._books = grouped.number, books_of(ledger, len(grouped.number))
-        of = self._contact, free, (grouped.pairs, grouped.first), coupling, solved, vertices
+        own = grouped.chosen(pairs), grouped.first
+        of = self._contact, free, own, coupling, solved, vertices
         self.call(book_groups, *of, self._walls, self._books[1])
         if self.loads:
             assert self._table is not None
@@ -284,39 +309,48 @@ class SurfaceContact(ImpulseContact):
 
     def _pairs(
         self, surface: Surface, cells: SurfaceCells, every: np.ndarray,
-        reference: ReferenceVertices, step: tuple[float, float],
+        reference: ReferenceVertices, step: tuple[float, np.ndarray], room: Room,
     ) -> Joint:  # fmt: skip
-        """The pairs of patches and other bodies, with their rows of B.
+        """The pairs of patches and other bodies, with their rows of B, in `room`.
 
-        `step` has its length, and the greatest speed of a vertex.
+        `step` has its length, and the ways of the bodies' fastest vertices.
         """
-        call, frame, (dt, speed) = self.call, self.scene.domain.frame, step
-        keys, values = reference
-        fastest = speed + self._rate * min(frame.cell)
+        call, frame, (keys, values) = self.call, self.scene.domain.frame, reference
         seen, sums = np.empty((2, len(keys)), np.int64), np.empty(2 ** len(frame.cell))
-        vertices, counts = (flat(values), seen, sums, self._proximity.scratch[-1]), [0, 0]
-        if len(self._room[0].ends) < len(every):
-            self._room = (
-                ContactPairs.empty(len(every)),
-                Coupling.empty(2 * len(every), 8 * len(every)),
-            )
-        (pairs, coupling), self._every = self._room, every
-
-        def fill(coupling: Coupling) -> int:
-            counts[0], counts[1], used = call(
-                find_patch_pairs, self._contact, frame, surface, cells, every, (dt, fastest),
-                vertices, (pairs, coupling),
+        scratch = flat(values), seen, sums, *self._proximity.scratch[-2:]
+        self._every, used = every, room.entries + 1
+        while used > room.entries:
+            room.grow(len(every), used if used > room.entries + 1 else 0)
+            found, rows, used = call(
+                find_patch_pairs, self._contact, frame, surface, cells, every, step, scratch,
+                (room.pairs, room.coupling),
             )  # fmt: skip
-            return int(used)
+        return Joint(*room.filled(found, rows, used), reference)
 
-        used = fill(coupling)
-        if used > len(coupling.column):
-            coupling = Coupling.empty(2 * len(pairs.ends), used + used // 4)
-            self._room = pairs, coupling
-            fill(coupling)
-        found, rows = counts
-        coupling = Coupling(
-            coupling.start[: rows + 1].copy(), coupling.column[:used].copy(),
-            coupling.entry[:used].copy(), coupling.answer[:rows].copy(),
-        )  # fmt: skip
-        return Joint(ContactPairs(*(part[:found].copy() for part in pairs)), coupling, reference)
+
+class Room:
+    """Room for pairs and their rows, which grows."""
+
+    def __init__(self) -> None:
+        self.pairs, self.entries = ContactPairs.empty(0), 0
+        self._make(0, 0)
+
+    def _make(self, pairs: int, entries: int) -> None:
+        """Allocate for the rows of so many pairs, with so many entries."""
+        self.entries, rows = entries, 2 * pairs
+        self.coupling = Coupling.empty(rows, entries)
+
+    def grow(self, pairs: int, entries: int) -> None:
+        """Have room for at least so many pairs and entries."""
+        if pairs > len(self.pairs.ends):
+            self.pairs = ContactPairs.empty(pairs + pairs // 4)
+            self._make(len(self.pairs.ends), max(self.entries, 8 * pairs))
+        if entries > self.entries:
+            self._make(len(self.pairs.ends), entries + entries // 4)
+
+    def filled(self, pairs: int, rows: int, entries: int) -> tuple[ContactPairs, Coupling]:
+        """What is filled, without a copy."""
+        start, column, entry, answer = self.coupling
+        return ContactPairs(*(part[:pairs] for part in self.pairs)), Coupling(
+            start[: rows + 1], column[:entries], entry[:entries], answer[:rows]
+        )

@@ -41,7 +41,9 @@ def labels_of(scene: Scene, bonded: np.ndarray, walls: int) -> np.ndarray:
     return found
 
 
-def find_groups(labels: np.ndarray, bodies: np.ndarray, x: np.ndarray, ranks: int) -> Groups:
+def find_groups(
+    labels: np.ndarray, met: np.ndarray, of: np.ndarray, x: np.ndarray, ranks: int
+) -> Groups:
     """Find the groups of bodies, and share them out.
 
     Groups are in the order of their places along x, as slabs are. Ranks have parts of that order
@@ -51,8 +53,10 @@ def find_groups(labels: np.ndarray, bodies: np.ndarray, x: np.ndarray, ranks: in
     ----------
     labels : (bodies,) int64
         See `labels_of`.
-    bodies, x : (n, 2) int64, (n,) float64
-        Pairs of bodies that may meet, and where.
+    met : (m, 2) int64
+        Pairs of bodies that may meet.
+    of, x : (n,) int64, (n,) float64
+        Facets' pairs, and where they are.
     """
     root = list(range(1 + int(labels.max(initial=-1))))
 
@@ -62,12 +66,13 @@ def find_groups(labels: np.ndarray, bodies: np.ndarray, x: np.ndarray, ranks: in
             one = root[one]
         return one
 
-    for a, b in np.unique(labels[bodies], axis=0).tolist():
+    for a, b in labels[met].tolist():
         if a >= 0 and b >= 0:
             one, other = sorted((first(a), first(b)))
             root[other] = one
     roots = np.array([first(one) for one in range(len(root))] + [-1])[labels]
-    known, number = np.unique(roots[bodies].max(axis=1), return_inverse=True)
+    known, number = np.unique(roots[met].max(axis=1), return_inverse=True)
+    number = number[of]
     size = np.bincount(number, minlength=len(known))
     order = np.lexsort((known, np.bincount(number, x, len(known)) / np.maximum(size, 1)))
     whole = np.cumsum(size[order])
@@ -82,27 +87,26 @@ def find_groups(labels: np.ndarray, bodies: np.ndarray, x: np.ndarray, ranks: in
 class Grouped(NamedTuple):
     """Pairs by group."""
 
-    pairs: ContactPairs
-    first: np.ndarray  #: (groups + 1,) int64: The first pair of each.
-    order: np.ndarray | None  #: (pairs,) int64: Their offsets in the order of patches, if another.
+    order: np.ndarray  #: (pairs,) int64: Their offsets, by group.
+    first: np.ndarray  #: (groups + 1,) int64: The first of each in that order.
     number: np.ndarray  #: (groups,) int64: Numbers of the groups.
+    sorted: bool  #: Whether the pairs have this order themselves.
 
     @classmethod
     def of(cls, pairs: ContactPairs, groups: Groups) -> Grouped:
         """Sort pairs by group."""
-        number, order = groups.number(pairs.ends["bodies"]), None
-        if len(number) and (number == number[0]).all():  # mostly
-            return cls(pairs, np.array([0, len(number)]), None, number[:1])
-        if (np.diff(number) < 0).any():
-            order = np.argsort(number, kind="stable")
-            pairs, number = pairs.chosen(order), number[order]
-        first = np.flatnonzero(np.diff(number, prepend=-1))
-        return cls(pairs, np.append(first, len(number)), order, number[first])
+        count = len(pairs.ends)
+        if len(groups.rank) < 2 and count:
+            return cls(np.arange(count), np.array([0, count]), np.zeros(1, np.int64), True)
+        number = groups.number(pairs.ends["bodies"])
+        order = np.argsort(number, kind="stable")
+        first = np.flatnonzero(np.diff(number[order], prepend=-1))
+        sort = bool((number[1:] >= number[:-1]).all())
+        return cls(order, np.append(first, count), number[order][first], sort)
 
-    def copy_to(self, pairs: ContactPairs) -> None:
-        """Copy the impulses to the pairs in the order of patches."""
-        if self.order is not None:
-            pairs.states[self.order] = self.pairs.states
+    def chosen(self, pairs: ContactPairs) -> ContactPairs:
+        """The pairs in the order of groups; a copy if they have another."""
+        return pairs if self.sorted else pairs.chosen(self.order)
 
 
 def books_of(ledger: Ledger, count: int) -> Ledger:
@@ -112,9 +116,15 @@ def books_of(ledger: Ledger, count: int) -> Ledger:
 
 
 def add_books(
-    comm: Communicator, root: int, number: np.ndarray, books: Ledger, ledger: Ledger
+    comm: Communicator, root: int, own: tuple[np.ndarray, Ledger] | None, ledger: Ledger
 ) -> None:
-    """Add the books of all ranks' groups, in their order, to the first plane of the root's."""
+    """Add the books of all ranks' groups, in their order, to the first plane of the root's.
+
+    Collective. `own` has the numbers of a rank's groups, and their books; None without any.
+    """
+    if comm.size == 1 and own is None:
+        return
+    number, books = own or (np.empty(0, np.int64), books_of(ledger, 0))
     if comm.size == 1 and len(number) == 1:
         for name in _BOOKED:
             getattr(ledger, name)[0] += getattr(books, name)[0]
@@ -132,9 +142,9 @@ def add_books(
     sums = np.add.accumulate(rows, axis=0)[-1:]
     ends = np.cumsum(widths)
     for name, a, b in zip(_BOOKED, ends - widths, ends, strict=True):
-        own = getattr(ledger, name)
+        into = getattr(ledger, name)
         for found in sums[:, a:b]:
-            own[0] += found.reshape(own.shape[1:])
+            into[0] += found.reshape(into.shape[1:])
 
 
 def share_changes(comm: Communicator, changes: Changes, extra: np.ndarray) -> Changes:
@@ -142,12 +152,11 @@ def share_changes(comm: Communicator, changes: Changes, extra: np.ndarray) -> Ch
 
     Collective. Of `extra` each number is 0 on all ranks but one.
     """
-    some = changes.velocities.any(axis=1) | changes.held.any(axis=1)
     if extra.size:
         extra[...] = total(comm, extra + 0.0)
     if comm.size == 1 and (changes.keys[1:] > changes.keys[:-1]).all():
-        return Changes(changes.keys[some], changes.velocities[some], changes.held[some])
-    mine = np.column_stack([changes.keys.view(float), changes.velocities, changes.held])[some]
+        return changes
+    mine = np.column_stack([changes.keys.view(float), changes.velocities, changes.held])
     every = mine if comm.size == 1 else swap_parts(comm, [mine] * comm.size)[0]
     keys = np.ascontiguousarray(every[:, 0]).view(np.int64)
     order = np.argsort(keys, kind="stable")

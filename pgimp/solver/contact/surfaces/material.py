@@ -14,6 +14,7 @@ from pgimp.kernels.contact.lagrangian.reference_grid import (
     read_reference_vertices,
 )
 from pgimp.kernels.contact.surfaces.data import Surface, SurfaceCells, no_facets
+from pgimp.kernels.contact.surfaces.levels import NEAR
 from pgimp.kernels.contact.surfaces.material import (
     STEP,
     SUMS,
@@ -28,7 +29,6 @@ from pgimp.kernels.contact.surfaces.material import (
     sum_material,
 )
 from pgimp.kernels.contact.surfaces.motion import move_facets
-from pgimp.kernels.contact.surfaces.rows import NEAR
 from pgimp.kernels.contact.surfaces.search import keys_of_vertices
 from pgimp.kernels.data.motion import KEPT_VELOCITY
 from pgimp.kernels.data.record import RECORD
@@ -97,7 +97,7 @@ class NearMaterial(Proximity):
         travel = max(fastest, self._speed(rank) / min(frame.cell), rate) * dt
         self._pause = int(max(1.0, min(LONGEST, TRAVEL / travel if travel > 0.0 else LONGEST))) - 1
         self._find_root(rank)
-        near = self._near_clusters(rank, table, *self._boxes(rank, table, rigid))
+        near = self._near_clusters(rank, table, *self.boxes(rank, table, rigid))
         surface = table.surface
         # Facets far from others are beyond reach in the surface that they look for.
         self._surface = surface._replace(now=surface.now.copy(), turned=surface.turned.copy())

@@ -9,39 +9,46 @@ import numpy as np
 from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
-from pgimp.kernels.contact.surfaces.data import SurfaceCells, no_facets
+from pgimp.kernels.contact.surfaces.data import Surface, SurfaceCells, no_facets
 from pgimp.kernels.contact.surfaces.gaps import FARTHEST
 from pgimp.kernels.contact.surfaces.motion import move_facets
-from pgimp.kernels.contact.surfaces.search import (
-    bound_clusters,
-    find_close,
-    find_meeting,
-    mark_between,
-)
-from pgimp.kernels.contact.surfaces.spread import scratch_of
+from pgimp.kernels.contact.surfaces.spread import kept_of, scratch_of
 from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_VELOCITY
 from pgimp.kernels.data.record import RECORD
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
-from pgimp.solver.contact.grown import grown
 from pgimp.solver.contact.lagrangian.messages import greatest, swap
+from pgimp.solver.contact.surfaces.candidates import (
+    boxes_of,
+    find_candidates,
+    find_meeting_clusters,
+)
 from pgimp.solver.contact.surfaces.groups import Groups, find_groups
-from pgimp.solver.contact.surfaces.seams import close_images, with_images
-from pgimp.solver.contact.surfaces.table import Table, bins_of, records_of
+from pgimp.solver.contact.surfaces.table import Table, records_of
 from pgimp.solver.rank_state import RankState
 
-#: Cells by which each body may move until the next search, and the most steps until then.
+#: Cells by which each body may move until the next search, at most, and the most steps until it
+#: looks how far they have moved.
 TRAVEL, LONGEST = 0.25, 16
+
+#: Cells by which it may move at least, and else the way in so many times that number of steps.
+_LEAST, _AHEAD = 0.02, 2.0
+
+#: Pieces of facets that are kept within a step, for each candidate.
+PIECES = 3
 
 #: Cells of travel within which the facets next to others stay so.
 WALK = 0.002
 
 U = slice(DISPLACEMENT, DISPLACEMENT + 3)
 
+#: With a number that means nothing, for kernels.
+U4 = slice(DISPLACEMENT, DISPLACEMENT + 4)
+
 #: What a checkpoint has of each candidate, and its parts: displacements, facets, moving ones,
-#: these. Before them there are three numbers and the parts' lengths.
+#: these. Before them there are four numbers and the parts' lengths.
 _KEPT = ("facet", "body", "other")
-_PARTS, _NUMBERS = 3 + len(_KEPT), 3
+_PARTS, _NUMBERS = 3 + len(_KEPT), 4
 
 
 class Near(NamedTuple):
@@ -68,9 +75,13 @@ class Share(NamedTuple):
     sent: np.ndarray
     counts: np.ndarray  #: (2, ranks) int64: How many of these each rank needs, and it has of each.
     place: np.ndarray  #: (v,) int64: Numbers of those that it gets.
+    same: bool  #: Whether these are its own, in their order.
+    of: np.ndarray  #: (n, 2) int64: Bodies, and the vertices of the cells of their facets.
 
     def gather(self, comm: Communicator, values: np.ndarray) -> np.ndarray:
         """What all ranks have at the share's vertices, given that of `sent`; collective."""
+        if self.same:
+            return values
         arrived = values if comm.size == 1 else swap(comm, values, *self.counts)
         found = np.zeros((len(self.keys), *values.shape[1:]), values.dtype)
         found[self.place] = arrived
@@ -121,14 +132,24 @@ class Proximity:
         adheres = pairs.adhesion[:, 2].max(initial=0.0) if pairs else 0.0
         self.alone = False
         self.far = max(FARTHEST * cell.min(), adheres)
-        self._reach = (2.0 * TRAVEL) * cell + self.far
-        self.reach = self._reach.max()
+        self._travel = TRAVEL
+        self.reach = float(self._reach().max())
         self.met = np.empty((0, 2), np.int64)
         self._pause, self._moved, self._walked = 0, 0.0, 2.0 * WALK
         self._records = np.empty(0, np.int64)
+        self._poses: bytes | None = None
+        self._soft = 0  # facets of the share that are not rigid
         self._window: object = None
         self._before = np.empty((0, 3))  # displacements of all surface vertices at the last search
         self._restored = np.empty(0)
+
+    def _reach(self) -> np.ndarray:
+        """Distances by direction within which facets may meet before the next search."""
+        return 2.0 * self._travel * np.array(self.scene.domain.frame.cell) + self.far
+
+    def boxes(self, rank: RankState, table: Table, rigid: Any) -> tuple[np.ndarray, np.ndarray]:
+        """See `boxes_of`; collective."""
+        return boxes_of(self.call, self.comm, rank, table, self._records, rigid)
 
     def restart(self) -> None:
         """Search in the next step: the surfaces have changed."""
@@ -152,7 +173,7 @@ class Proximity:
             return np.empty(0)
         parts = (self._before.reshape(-1), self.near.facets, self._moving,
                  *(every[name] for name in _KEPT))  # fmt: skip
-        numbers = [self._pause, self._moved, self._walked]
+        numbers = [self._pause, self._moved, self._walked, self._travel]
         return np.concatenate([numbers, list(map(len, parts)), *parts])
 
     def restore(self, state: np.ndarray) -> None:
@@ -168,7 +189,8 @@ class Proximity:
             return
         before, *parts = np.split(state[head:], np.cumsum(sizes[:-1]))
         facets, self._moving, *every = (part.astype(np.int64) for part in parts)
-        self._pause, self._moved, self._walked = int(state[0]), state[1], state[2]
+        self._pause = int(state[0])
+        self._moved, self._walked, self._travel = state[1:_NUMBERS].tolist()
         self._before = before.reshape(-1, 3)
         found = no_facets(len(every[0]))
         for name, values in zip(_KEPT, every, strict=True):
@@ -258,22 +280,41 @@ class Proximity:
         if self.near is not None:
             away = np.abs(motion[:, U] - self._before[own])[:, :D] * inverse
             moved = float(away.max(initial=0.0))
-        left = TRAVEL - max(greatest(self.comm, moved), self._moved)
+        left = self._travel - max(greatest(self.comm, moved), self._moved)
         if left > 4.0 * travel:
             self._pause = int(min(LONGEST, left / travel if travel > 0.0 else LONGEST)) - 1
             return divided
         self._before, self._moved = self._everywhere(own, motion[:, U]), 0.0
         self._walked = 2.0 * WALK
-        self._pause = int(max(1.0, min(LONGEST, TRAVEL / travel if travel > 0.0 else LONGEST))) - 1
+        self._travel = float(np.clip(_AHEAD * LONGEST * travel, _LEAST, TRAVEL))
+        self._pause = int(max(1.0, min(LONGEST, self._travel / max(travel, 1e-300)))) - 1
         self._find_root(rank)
-        boxes = self._boxes(rank, table, rigid)
-        met, on_walls = self._meeting(table, acts, *boxes)
-        facets = table.facets(np.unique(met))
-        self.near = self._select(table, np.unique(np.concatenate([facets, *on_walls.values()])))
-        found = self._find(rank, table, self.near, acts, rigid, (met, *boxes), on_walls)
+        boxes, reach = self.boxes(rank, table, rigid), self._reach()
+        call, scene, walls = self.call, self.scene, self.walls
+        meeting = find_meeting_clusters(call, scene, walls, table, acts, boxes, reach)
+        facets = table.facets(np.unique(meeting.pairs))
+        near = np.unique(np.concatenate([facets, *meeting.on_walls.values()]))
+        self.near = self._select(table, near)
+        u, found, self._moving = self.displacements(rank, self.near), no_facets(0), near[:0]
+        if u is not None and needed(self.near.any):
+            of = table.surface, self.near.cells, u, self.near.facets, self.scratch
+            call(move_facets, scene.domain.frame, rigid, *of)
+            found, self._moving = find_candidates(call, scene, walls, table, acts, meeting, reach)
         found, self._moving = self.comm.bcast((found, self._moving), self.root)
         self._divide(table, found)
         return True
+
+    def moved_facets(self, rigid: Any) -> np.ndarray:
+        """The share's facets that have moved since this was last asked: all but resting rigid ones.
+
+        Those of rigid bodies come last.
+        """
+        moving = self.share.moving
+        if not len(rigid):
+            return moving
+        poses = rigid.motion["centre"].tobytes() + rigid.motion["rotation"].tobytes()
+        rests, self._poses = poses == self._poses, poses
+        return moving[: self._soft] if rests and not needed(0) else moving
 
     def walks(self, travel: float) -> bool:
         """Whether facets next to others are to be found anew, given a step's travel in cells."""
@@ -294,12 +335,14 @@ class Proximity:
         """Find the groups of all candidates, and the rank's share; collective."""
         surface, facet = table.surface, every["facet"]
         bodies = np.column_stack([surface.body[facet], every["body"]])
-        self.met = np.unique(bodies, axis=0)
-        self.groups = find_groups(self.labels, bodies, surface.x[facet, 0], self.comm.size)
+        count = len(self.labels)
+        met, of = np.unique(bodies[:, 0] * count + bodies[:, 1], return_inverse=True)
+        self.met = np.column_stack(np.divmod(met, count))
+        self.groups = find_groups(self.labels, self.met, of, surface.x[facet, 0], self.comm.size)
         if self.alone:
             self.groups.rank[:] = self.root
-        own = self.groups.rank[self.groups.number(bodies)] == self.comm.rank
-        mine = np.flatnonzero(own)
+        own = self.groups.rank[self.groups.number(self.met)] == self.comm.rank
+        mine = np.flatnonzero(own[of])
         self.candidates, self._found = every[mine], (every, mine)
         group = self.groups.of[surface.body[self._moving]]
         joins, surface.now[:] = group >= 0, np.inf
@@ -315,57 +358,18 @@ class Proximity:
         marks, cells = self._vertices(table, self._moving[rank == here])
         number = np.cumsum(marks) - 1
         mapped = cells._replace(corners=number[cells.corners], column=number[cells.column])
+        place, keys = number[np.concatenate(get)], table.keys[marks]
+        same = self.comm.size == 1 and np.array_equal(place, np.arange(len(keys)))
         self.share = Share(
-            self._moving[rank == here], mapped, table.keys[marks], self._records[own],
-            table.keys[own], np.array([parts[here][1], [len(each) for each in get]]),
-            number[np.concatenate(get)],
+            self._moving[rank == here], mapped, keys, self._records[own], table.keys[own],
+            np.array([parts[here][1], [len(each) for each in get]]), place, same,
+            _vertices_of(surface, mapped, self._moving[rank == here]),
         )  # fmt: skip
-
-    def _boxes(self, rank: RankState, table: Table, rigid: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Least and greatest coordinates of the clusters; collective."""
-        frame, D, bodies = self.scene.domain.frame, self.scene.dimension, self.walls.first
-        soft = len(self.scene.body_names)
-        cell, motion = np.array(frame.cell), rank.grid.kept
-        ends = np.full((2, len(table.body), D), np.inf)
-        clusters, numbers, records = (table.owner, table.corner), table.numbers, self._records
-        if table.turns.any():  # a vertex on a seam is at both ends of the domain
-            numbers, records = numbers[table.corner], records[table.corner]
-            numbers[:, :D] += table.turns * frame.cells
-            clusters = table.owner, np.arange(len(numbers))
-        self.call(bound_clusters, frame, numbers, records, motion, clusters, ends)
-        ends = _least(self.comm, ends)
-        for c in np.flatnonzero((table.body >= soft) & (table.body < bodies)):
-            row = rigid.motion[table.body[c] - soft]
-            some = table.members[table.first[c] : table.first[c + 1]]
-            x = (table.surface.x[some] - row["reference"]) @ row["rotation"].T + row["centre"]
-            ends[0, c], ends[1, c] = x[:, :D].min(axis=0), -x[:, :D].max(axis=0)
-        return ends[0] - 0.2 * cell, -ends[1] + 0.2 * cell
-
-    def _meeting(
-        self, table: Table, acts: np.ndarray, low: np.ndarray, high: np.ndarray
-    ) -> tuple[np.ndarray, dict[int, np.ndarray]]:
-        """Pairs of clusters that may meet, and for each wall the facets that may meet it."""
-        frame, reach, periods = self.scene.domain.frame, self._reach, self.scene.domain.periods
-        cell, order = np.array(frame.cell), np.argsort(low[:, 0], kind="stable")
-        pairs, found = grown(
-            8 * len(low) + 16,
-            lambda size: np.empty((size, 2), np.int64),
-            lambda room: self.call(find_close, order, low, high, reach, table.body, acts, room),
-        )
-        if periods.any():
-            pairs = close_images(low, high, frame.origin, periods, reach).T
-            pairs = pairs[(acts | acts.T)[table.body[pairs[:, 0]], table.body[pairs[:, 1]]] != 0]
-            found = len(pairs)
-        alone = np.flatnonzero(acts[table.body, table.body])
-        on_walls = {}
-        n, free = len(self.scene.body_names), [*self.scene.interaction.rigid_bodies.free]
-        moving = np.flatnonzero((table.body < n) | np.isin(table.body - n, free))
-        for w, (axis, side, place, *_) in enumerate(self.walls.planes.tolist()):
-            at = frame.origin[axis] + (place - frame.ghost) * cell[axis]
-            end = (high if side > 0 else low)[moving, axis]
-            near = moving[side * (at - end) < reach[axis]]
-            on_walls[self.walls.first + w] = table.facets(near)
-        return np.concatenate([pairs[:found], np.column_stack([alone, alone])]), on_walls
+        self._poses = None
+        self._soft = int((surface.cell[self.share.moving] >= 0).sum())
+        if len(self.scratch[-1][0]) < PIECES * len(mine):
+            kept = kept_of(self.scene.dimension, PIECES * len(mine) * 5 // 4)
+            self.scratch = (*self.scratch[:-1], kept)
 
     def _select(self, table: Table, facets: np.ndarray) -> Near:
         """The cells and vertices of facets that may meet others; collective."""
@@ -394,9 +398,9 @@ class Proximity:
         return marks, cells
 
     def displacements(self, rank: RankState, near: Near) -> np.ndarray | None:
-        """Displacements of the near vertices, (v, 3), on the root; collective."""
+        """Displacements of the near vertices, (v, 4), on the root; collective."""
         values = rank.grid.kept.values.reshape(-1, RECORD)
-        return self.on_root(near, np.ascontiguousarray(values[near.records, U]))
+        return self.on_root(near, np.ascontiguousarray(values[near.records, U4]))
 
     def on_root(self, near: Near, values: np.ndarray) -> np.ndarray | None:
         """What all ranks have at their near vertices, on the root; collective."""
@@ -414,74 +418,11 @@ class Proximity:
         found[near.every] = arrived
         return found
 
-    def _find(
-        self,
-        rank: RankState,
-        table: Table,
-        near: Near,
-        acts: np.ndarray,
-        rigid: Any,
-        meeting: tuple[np.ndarray, np.ndarray, np.ndarray],
-        on_walls: dict[int, np.ndarray],
-    ) -> np.ndarray:
-        """The candidates of all ranks, on the root; collective."""
-        u, surface, call = self.displacements(rank, near), table.surface, self.call
-        self._moving = np.empty(0, np.int64)
-        if u is None or not needed(near.any):
-            return no_facets(0)
-        frame = self.scene.domain.frame
-        call(move_facets, frame, rigid, surface, near.cells, u, near.facets, self.scratch)
-        marks, reach = np.zeros(len(surface.x), np.uint8), (self._reach.max(), frame.cell[0])
-        there, periods = surface, self.scene.domain.periods
-        if periods.any():
-            own = table.facets(np.unique(meeting[0]))
-            there, which = with_images(surface, own, frame.origin, periods, reach[0])
-            some = np.arange(len(which))
-        else:
-            call(mark_between, surface, (table.first, table.members), meeting, reach[0], marks)
-            some = np.flatnonzero(marks)
-        marks[:] = 0
-        found_near = marks if there is surface else np.zeros(len(some), np.uint8)
-        key_of, strides = bins_of(there.now[some], reach[0], self.scene.dimension)
-        order = np.argsort(key_of, kind="stable")
-        bins, count = (key_of, key_of[order], order, strides), len(acts)
-        best = np.full(count, np.inf), np.empty(count, np.int64), np.empty(count, np.int64)
-        parts = []
-        if needed(len(some)):
-            every, found = grown(
-                2 * len(some) + 16,
-                no_facets,
-                lambda room: call(
-                    find_meeting, there, acts, some, bins, reach, found_near, best, room
-                ),
-            )
-            every = every[:found]
-            if there is not surface:  # what images find, they find as well
-                every = every[every["facet"] < len(own)]
-                every["facet"], every["other"] = which[every["facet"]], which[every["other"]]
-                marks[which[found_near != 0]] = 1
-            parts.append(every)
-        for body, these in on_walls.items():
-            axis, side, place, *_ = self.walls.planes[body - self.walls.first].tolist()
-            at = frame.origin[axis] + (place - frame.ghost) * frame.cell[axis]
-            away = side * (at - surface.now[these, axis])
-            these = these[(away < self._reach[axis]) & (side * surface.turned[these, axis] > 0.0)]
-            one = no_facets(len(these))
-            one["facet"], one["body"], one["other"] = these, body, -1
-            marks[these] = 1
-            parts.append(one)
-        every = np.concatenate([no_facets(0), *parts])
-        order = np.lexsort((every["facet"], every["body"], surface.patch[every["facet"]]))
-        self._moving = np.flatnonzero(marks)
-        return every[order]
 
-
-def _least(comm: Communicator, values: np.ndarray) -> np.ndarray:
-    """The least values of all ranks; collective."""
-    if comm.size == 1:
-        return values
-    from mpi4py import MPI
-
-    found = np.empty_like(values)
-    comm.Allreduce(values, found, MPI.MIN)
-    return found
+def _vertices_of(surface: Surface, cells: SurfaceCells, facets: np.ndarray) -> np.ndarray:
+    """Bodies, and the vertices of the cells of some of their facets, each once, (n, 2)."""
+    cell, at = np.unique(surface.cell[facets], return_index=True)
+    body, corners = surface.body[facets[at[cell >= 0]]], cells.corners[cell[cell >= 0]]
+    count = 1 + int(corners.max(initial=0))
+    pairs = np.unique(body[:, None] * count + corners)
+    return np.column_stack(np.divmod(pairs, count))

@@ -47,9 +47,9 @@ class Rebounds:
     ) -> None:
         """Solve for the impulses by `sweep`, which changes `states`; of each group alone."""
         call, first, count = self.call, grouped.first, len(grouped.number)
-        order = slice(None) if grouped.order is None else grouped.order
+        order = grouped.order
         gaps, scratch = pairs.states["gap_rate"].copy(), np.empty((len(pairs.ends), COLUMNS))
-        own, found = grouped.pairs, 0
+        own, found = grouped.chosen(pairs), 0
         for a, b in [*pairwise(first.tolist())] or [(0, 0)]:
             some = rigid_bodies, own.chosen(slice(a, b)), self.restitution, self._velocities
             found += call(find_rebounds, *some, scratch[a:b])

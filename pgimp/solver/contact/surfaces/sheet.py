@@ -18,7 +18,7 @@ from pgimp.scene.bodies.surface_patches import Facets
 from pgimp.solver.contact.grown import grown
 from pgimp.solver.contact.surfaces.contact import SurfaceContact
 from pgimp.solver.contact.surfaces.smooth import Smoothed, smooth
-from pgimp.solver.contact.surfaces.table import Table, bins_of
+from pgimp.solver.contact.surfaces.table import Table, sorted_bins
 from pgimp.solver.rank_state import RankState
 
 #: Cells of gap below which a facet is next to those under load.
@@ -99,20 +99,20 @@ class Sheets:
             now=np.full_like(table.surface.now, np.inf), turned=table.surface.turned.copy()
         )
         rigid, scratch = _placed(rank, contact.rigid_bodies, time), proximity.scratch
+        u, laws = np.pad(u, ((0, 0), (0, 1))), contact.laws._replace(rigid_bodies=rigid)
         call(move_facets, frame, rigid, surface, table.cells, u, moving, scratch)
         reach, acts = (proximity.reach, frame.cell[0]), np.ascontiguousarray(contact.acts.T)
-        key_of, strides = bins_of(surface.now[moving], reach[0], rank.scene.dimension)
-        order, count = np.argsort(key_of, kind="stable"), len(acts)
-        bins, marks = (key_of, key_of[order], order, strides), np.zeros(len(found), np.uint8)
+        some, bins = sorted_bins(surface.now, moving, reach[0], rank.scene.dimension)
+        marks, count = np.zeros(len(found), np.uint8), len(acts)
         best = np.full(count, np.inf), np.empty(count, np.int64), np.empty(count, np.int64)
         others, number = grown(
             2 * len(moving) + 16,
             no_facets,
-            lambda room: call(find_meeting, surface, acts, moving, bins, reach, marks, best, room),
+            lambda room: call(find_meeting, surface, acts, some, bins, reach, marks, best, room),
         )
         for every in (candidates.copy(), others[:number]):
-            call(find_gaps, frame, rigid, proximity.walls, surface, (table.cells, u), scratch,
-                 (proximity.far, True), every)  # fmt: skip
+            call(find_gaps, frame, laws, proximity.walls, surface, (table.cells, u), scratch,
+                 (proximity.far, True, np.full(len(acts), -1.0)), every)  # fmt: skip
             some = every[np.isfinite(every["gap"])]
             np.fmin.at(found, some["facet"], some["gap"])
             if every is not others:  # of a body that meets itself one side looks for the other

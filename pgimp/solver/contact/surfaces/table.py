@@ -10,6 +10,7 @@ import numpy as np
 from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.surfaces.data import Surface, SurfaceCells
+from pgimp.kernels.contact.surfaces.motion import find_means
 from pgimp.kernels.contact.surfaces.search import find_beside, keys_of_vertices
 from pgimp.kernels.data.motion import KEPT_MASS
 from pgimp.kernels.data.record import RECORD
@@ -98,8 +99,9 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
         facets.x, facets.normal, facets.middle, facets.half, facets.area, facets.radius,
         facets.patch, body, index, place, facets.edges, _tips(facets, start, beside, periods),
         start, beside, np.full((len(body), 3), np.inf), np.zeros((len(body), 3)),
-        np.zeros((len(body), 2, 3)), periods if periods.any() else (),
+        np.zeros((len(body), 2, 3)), np.zeros((len(body), 2**D)), periods if periods.any() else (),
     )  # fmt: skip
+    find_means(frame, surface, np.zeros((2, 3)))
     keys = np.empty(len(numbers), np.int64)
     keys_of_vertices(bits_of(frame, 1 + max(fields, default=0)), numbers, keys)
     number = np.floor((facets.x[:, :D] - origin) / (WIDE * cell)).astype(np.int64)
@@ -324,3 +326,13 @@ def bins_of(x: np.ndarray, side: float, D: int) -> tuple[np.ndarray, np.ndarray]
     key_of = bins @ strides
     strides[D:2] = 0  # neighbours along the last one have neighbouring keys
     return key_of, strides
+
+
+def sorted_bins(
+    x: np.ndarray, some: np.ndarray, side: float, D: int
+) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
+    """Some facets by bins, and these, see `find_meeting`; `x` are the centroids of all."""
+    x = x[some]
+    key_of, strides = bins_of(x, side, D)
+    order = np.argsort(key_of, kind="stable")
+    return some[order], (key_of[order], x[order], strides, np.empty((2, 9), np.int64))

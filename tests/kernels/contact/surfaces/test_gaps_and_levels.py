@@ -1,13 +1,15 @@
 """Gaps of facets and levels of patches against loops in NumPy."""
 
+from math import inf
+
 import numpy as np
 import pytest
 
 from pgimp.jit.kernel import kernel
 from pgimp.kernels.contact.surfaces.data import Surface, no_facets
-from pgimp.kernels.contact.surfaces.gaps import next_facet
-from pgimp.kernels.contact.surfaces.pressed import faces
-from pgimp.kernels.contact.surfaces.rows import _level
+from pgimp.kernels.contact.surfaces.levels import level
+from pgimp.kernels.contact.surfaces.nearest import next_facet
+from pgimp.kernels.contact.surfaces.pressed import facing_part
 
 WIDTH = 0.01
 
@@ -22,15 +24,20 @@ def surface_of(x, normal, area, body, beside=None):
     return Surface(
         x, normal, x.copy(), np.full((n, 3), 0.5), area, 0.5 * area, index, body, np.full(n, -1),
         np.zeros((n, 3)), np.zeros((n, 2, 3)), np.zeros(n, np.uint8), start,
-        np.concatenate(beside).astype(np.int64), x.copy(), normal.copy(), np.zeros((n, 2, 3)), (),
+        np.concatenate(beside).astype(np.int64), x.copy(), normal.copy(), np.zeros((n, 2, 3)),
+        np.zeros((n, 4)), (),
     )  # fmt: skip
 
 
 @kernel
 def _levels(surface, every, least, width, found):
-    found[0] = _level(surface, every, 0, len(every), 0, least, width)
     for n in range(len(every)):
-        found[1 + n] = faces(surface, every[n])
+        same = 0.0
+        for d in range(3):
+            same += surface.turned[every[n].facet, d] * every[n].normal[d]
+        every[n].facing = facing_part(same) if every[n].gap < inf else 0.0
+        found[1 + n] = every[n].facing
+    found[0] = level(surface, every, 0, len(every), 0, least, width)
 
 
 @kernel

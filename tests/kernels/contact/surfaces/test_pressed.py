@@ -31,11 +31,11 @@ def patch(columns, rows):
         x, normal, x.copy(), half, *np.full((2, n), 1.0 / n), np.zeros(n, np.int64),
         np.zeros(n, np.int64), np.full(n, -1), np.zeros((n, 3)), np.zeros((n, 2, 3)),
         np.zeros(n, np.uint8), np.zeros(n + 1, np.int64), np.zeros(0, np.int64), x.copy(),
-        normal.copy(), np.zeros((n, 2, 3)), (),
+        normal.copy(), np.zeros((n, 2, 3)), np.zeros((n, 8)), (),
     )  # fmt: skip
     every = no_facets(n)
     every["facet"], every["normal"], every["side"] = np.arange(n), [0.0, 0.0, -1.0], 0
-    every["gap"] = 0.001
+    every["gap"], every["facing"] = 0.001, 1.0
     return surface, every
 
 

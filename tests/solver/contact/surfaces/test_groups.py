@@ -49,11 +49,12 @@ def test_groups_are_joined_by_what_may_move_and_shared_out_along_x():
     labels = np.array([0, 1, 2, 3, 4, 4, 6, -1, -1])
     pairs = np.array([[0, 1], [1, 0], [2, 7], [3, 7], [3, 8], [5, 6], [0, 6], [4, 7], [0, 8]])
     x = np.array([5.0, 5.0, 1.0, 9.0, 9.0, 5.0, 5.0, 5.0, 5.0])
-    groups = find_groups(labels, pairs, x, 3)
+    met, of = np.unique(pairs, axis=0, return_inverse=True)
+    groups = find_groups(labels, met, of.reshape(-1), x, 3)
     np.testing.assert_array_equal(groups.of[[0, 1, 4, 5, 6]], groups.of[0])
     assert len({groups.of[0], groups.of[2], groups.of[3]}) == 3
     np.testing.assert_array_equal(groups.of[7:], -1)
     np.testing.assert_array_equal(groups.number(pairs), groups.of[[0, 0, 2, 3, 3, 0, 0, 0, 0]])
     np.testing.assert_array_equal(groups.rank[groups.of[[2, 0, 3]]], [0, 1, 2])
-    np.testing.assert_array_equal(find_groups(labels, pairs, x, 1).of, groups.of)
-    assert len(find_groups(labels, pairs[:0], x[:0], 2).rank) == 0
+    np.testing.assert_array_equal(find_groups(labels, met, of.reshape(-1), x, 1).of, groups.of)
+    assert len(find_groups(labels, met[:0], of.reshape(-1)[:0], x[:0], 2).rank) == 0

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import product
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -16,17 +16,18 @@ from pgimp.geometry.regions import Points
 from pgimp.physics.contact.pairs import Pairs
 from pgimp.physics.loads.own_velocity import OwnVelocity
 from pgimp.physics.loads.turning import rotation_matrix
-from pgimp.scene.checks.supports import held_at
 from pgimp.schema.tables import VectorFunction
 from pgimp.schema.time_functions import TimeFunction
 
 if TYPE_CHECKING:
-    from pgimp.case.schema import Case
     from pgimp.physics.boundaries.base import Boundary
     from pgimp.physics.loads.motion import RigidMotion
     from pgimp.physics.loads.turning import Turning
 
 AXES = "xyz"
+
+#: Stands for `pgimp.case.schema.Case`, whose module imports this one.
+Case = Any
 
 #: Number of instants at which distances of bodies are checked; fewer if there are many bodies.
 _INSTANTS, _FEWEST_INSTANTS, _PLACES = 129, 9, 20_000
@@ -196,6 +197,18 @@ def _integral(values: np.ndarray, times: np.ndarray) -> np.ndarray:
     """Integral over time from the start, by the trapezoidal rule."""
     parts = 0.5 * (values[1:] + values[:-1]) * np.diff(times)[:, None]
     return np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(parts, axis=0)])
+
+
+def held_at(condition: Any, axis: int, side: int) -> tuple[bool, ...]:
+    """Return which components of a motion out of the domain a face's condition holds, (3,) bool."""
+    v = (side * 1e300,) * 3
+    face = condition.at_rest.parameters(axis, side, 0.0, 0.0)
+    a = (0.0,) * 3
+    if condition.approaches:
+        held, _ = face.approach(face, v, a, 0.0)
+    else:
+        held, _ = face.constrain(face, v, a)
+    return tuple(bool(a != b) for a, b in zip(held, v, strict=True))
 
 
 def faces_with_condition(case: Case) -> Iterator[tuple[str, Boundary, int, int]]:

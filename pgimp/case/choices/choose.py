@@ -1,0 +1,249 @@
+"""Choice of what a case leaves out of its method, and its lines for people."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, NamedTuple
+
+from pgimp.case.choices.facts import BodyChoice, Meeting, SceneChoice, facts_of, meeting
+from pgimp.case.choices.rules import CONTACT, MASS, OF_BODIES, OF_SCENES, rule_of
+from pgimp.schema.pages import page
+
+#: Stands for `pgimp.case.schema.Case`, whose module imports these.
+Case = Any
+Data = dict[str, Any]
+Path = tuple[str, ...]
+
+#: Keys of `method` that are chosen for the scene.
+_OF_METHOD = ("shape", "particles_per_cell", "affine", "volumetric")
+#: Kinds of bodies as lines name them.
+_WORDS = {
+    "elastic": "elastic", "metal": "a metal", "soil": "soil", "grains": "grains",
+    "liquid": "a liquid", "gas": "a gas", "other": "of a material of one's own",
+}  # fmt: skip
+
+
+class Choice(NamedTuple):
+    """A value that was chosen for a key of the case."""
+
+    path: Path
+    value: Any
+    reason: str
+    page: str  #: As links between pages have it.
+    instead: bool = False  #: Whether a better one is refused in the case.
+
+    def because(self, refused: str) -> Choice:
+        """Return it with the problem of the better choice."""
+        return self._replace(reason=f"{self.reason} ({refused})") if self.instead else self
+
+
+class Open(NamedTuple):
+    """What a case leaves out."""
+
+    bodies: tuple[str, ...]  #: Those of a material without `configuration`.
+    masses: tuple[str, ...]  #: Those of a material without `mass`.
+    method: tuple[str, ...]  #: Keys of `_OF_METHOD`.
+    step: bool
+    contact: bool
+    bonded: bool  #: Whether `contact: bonded` stands for entries.
+
+
+def left_out(data: Mapping[str, Any]) -> Open | None:
+    """Find what is to be chosen; None if nothing is, or parts have the wrong form.
+
+    A case of format 1 that names shape, particles and step was always whole: what else it leaves
+    out has the defaults of that format.
+    """
+    method, time, every = (data.get(key) for key in ("method", "time", "bodies"))
+    method = {} if method is None or method == "auto" else method
+    if not (
+        isinstance(method, Mapping) and isinstance(time, Mapping) and isinstance(every, Mapping)
+    ):
+        return None
+    if data.get("dimensions") not in (1, 2, 3) or isinstance(data.get("dimensions"), bool):
+        return None
+    whole = {"shape", "particles_per_cell"} <= set(method) and "step" in time
+    bonded = data.get("contact") == "bonded"
+    if data.get("format") != 2 and whole:
+        return Open((), (), (), False, False, True) if bonded else None
+    soft = {k: b for k, b in every.items() if isinstance(b, Mapping) and "rigid" not in b}
+    found = Open(
+        tuple(name for name, body in soft.items() if "configuration" not in body),
+        tuple(n for n, body in soft.items() if "mass" not in body and "mass" not in method),
+        tuple(key for key in _OF_METHOD if key not in method),
+        "step" not in time,
+        "contact" not in data,
+        bonded,
+    )
+    return found if any(found) else None
+
+
+def without_choice(data: Mapping[str, Any]) -> Data:
+    """Return data in which nothing is chosen, with a method where parts of the wrong form lack one.
+
+    So that it does not hide what is wrong with them.
+    """
+    found, count, time = dict(data), data.get("dimensions"), data.get("time")
+    if found.get("method") in (None, "auto"):
+        known = count if count in (1, 2, 3) else 1
+        found["method"] = {"shape": "gimp", "particles_per_cell": (2,) * int(known or 1)}
+    if isinstance(time, Mapping) and "step" not in time:
+        found["time"] = {**time, "step": {"courant": 0.3}}
+    return found
+
+
+def plain(data: Mapping[str, Any], open_keys: Open) -> Data:
+    """Return the data with defaults that every case can have: for looking at it."""
+    count = int(data["dimensions"])
+    values: dict[Path, Any] = {
+        ("method", "shape"): "gimp",
+        ("method", "particles_per_cell"): (2,) * count,
+        ("time", "step"): {"courant": 0.3},
+    }
+    asked = {("method", key) for key in open_keys.method}
+    asked |= {("time", "step")} if open_keys.step else set()
+    return filled(data, {path: value for path, value in values.items() if path in asked})
+
+
+def filled(data: Mapping[str, Any], values: Mapping[Path, Any]) -> Data:
+    """Return the data with values by their paths; `method: auto` becomes a mapping."""
+    found = dict(data)
+    if found.get("method") in (None, "auto"):
+        found["method"] = {}
+    if found.get("contact") == "bonded":
+        found["contact"] = ()
+    for path, value in values.items():
+        at = found
+        for key in path[:-1]:
+            at[key] = dict(at[key])
+            at = at[key]
+        at[path[-1]] = value
+    return found
+
+
+def candidates(case: Case, open_keys: Open) -> Iterator[dict[Path, Choice]]:
+    """Yield choices by their paths, the best first, then such as more scenes may have.
+
+    Parameters
+    ----------
+    case : Case
+        The case with `plain` values.
+    open_keys : Open
+        What it leaves out.
+    """
+    facts = facts_of(case)
+    met = meeting(case, facts)
+    for initial, averaged, mean in (
+        (True, True, True), (True, False, True), (True, False, False),
+        (False, False, True), (False, False, False),
+    ):  # fmt: skip
+        yield _choices(case, open_keys, facts, met, (initial, averaged, mean))
+
+
+def _choices(
+    case: Case, open_keys: Open, facts: list[BodyChoice], met: Meeting, may: tuple[bool, bool, bool]
+) -> dict[Path, Choice]:
+    """Choices, as far as the initial configuration, averaged mass and mean dilatation `may` be."""
+    found: dict[Path, Choice] = {}
+    initial = []
+    for body in facts:
+        rule = rule_of(OF_BODIES, "configuration", body)
+        value, reason = rule.value, f"{_WORDS[body.kind]}: {rule.reason}"
+        if body.wall and rule.page == "walls.md":
+            reason += f" ({body.wall})"
+        instead = not may[0] and value == "initial"
+        if instead:
+            value, reason = "current", "initial is refused in this case"
+        if body.name in open_keys.bodies:
+            path = ("bodies", body.name, "configuration")
+            found[path] = Choice(path, value, reason, rule.page, instead)
+        else:
+            value = case.bodies[body.name].configuration
+        initial.append(value == "initial")
+    if open_keys.bonded:
+        entries = bonded(case, initial)
+        found["contact",] = Choice(("contact",), entries, "bonded, as written", "contact.md")
+    elif open_keys.contact and (entries := _contact(met)):
+        rule = CONTACT[0]
+        found["contact",] = Choice(("contact",), entries, _met(met), rule.page)
+    approached = any(face.approaches for face in case.boundaries.values())
+    meets = bool(case.contact or case.rigid_bodies or approached or ("contact",) in found)
+    scene = SceneChoice(
+        case.dimensions, tuple(facts), tuple(initial), meets, case.start.settle is not None
+    )
+    for body, one in zip(facts, initial, strict=True):
+        rule = MASS[0]
+        if (
+            may[1]
+            and body.name in open_keys.masses
+            and all(initial)
+            and rule.fits((body, one, scene))
+        ):
+            path = ("bodies", body.name, "mass")
+            found[path] = Choice(path, rule.value, rule.reason, rule.page)
+    for key in open_keys.method:
+        rule = rule_of(OF_SCENES, key, scene)
+        value = rule.value
+        if key == "particles_per_cell":
+            value = (value,) * case.dimensions
+        if key == "volumetric" and not may[2]:
+            value = "pointwise"
+        found["method", key] = Choice(("method", key), value, rule.reason, rule.page)
+    if open_keys.step:
+        rule = rule_of(OF_SCENES, "courant", scene)
+        found["time", "step"] = Choice(
+            ("time", "step"), {"courant": rule.value}, rule.reason, rule.page
+        )
+    return found
+
+
+def _contact(met: Meeting) -> tuple[Data, ...]:
+    """Entries of contact: of all that may meet, but for groups that stay together."""
+    if not met.pairs:  # the others share a field as they are
+        return ()
+    tied = ({"bodies": group, "law": "tied"} for group in met.together)
+    return ({"bodies": "all"}, *tied)
+
+
+def _met(met: Meeting) -> str:
+    """Name the pairs that meet, those that touch first."""
+    named = sorted(met.pairs, key=lambda pair: not pair[2])[:3]
+    texts = [f"'{a}' and '{b}'" + " (touch at the start)" * touch for a, b, touch in named]
+    more = f" and {len(met.pairs) - 3} more pairs" if len(met.pairs) > 3 else ""
+    return f"frictionless, of {', '.join(texts)}{more}; if they stick together, `contact: bonded`"
+
+
+def bonded(case: Case, every_initial: Iterable[bool]) -> tuple[Data, ...]:
+    """Entries of contact of `contact: bonded`: in the current configuration none are needed."""
+    several = len(case.every_body) > 1
+    return ({"bodies": "all", "law": "tied"},) if several and any(every_initial) else ()
+
+
+def lines(case: Case) -> list[str]:
+    """Return what was chosen for a case: a line for each body, and for the scene."""
+    found: Mapping[Path, Choice] = case.__dict__.get("chosen", {})
+    texts = []
+    for name in case.bodies:
+        body = [
+            found[p] for p in (("bodies", name, k) for k in ("configuration", "mass")) if p in found
+        ]
+        if body:
+            values = ", ".join(f"{one.path[-1]} {one.value}" for one in body)
+            reasons = "; ".join(one.reason for one in body)
+            texts.append(f"{name}: {values} - {reasons} ({page(body[0].page)})")
+    scene = [one for one in found.values() if one.path[0] in ("method", "time")]
+    if scene:
+        values = ", ".join(f"{one.path[-1]} {_text(one)}" for one in scene)
+        texts.append(f"{values} ({page('methods.md#what-is-chosen')})")
+    if ("contact",) in found:
+        one = found["contact",]
+        texts.append(f"contact: {one.reason} ({page(one.page)})")
+    return texts
+
+
+def _text(choice: Choice) -> str:
+    if choice.path[-1] == "step":
+        return f"{{courant: {choice.value['courant']}}}"
+    if isinstance(choice.value, tuple):
+        return "[" + ", ".join(map(str, choice.value)) + "]"
+    return str(choice.value).lower()

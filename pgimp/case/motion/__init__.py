@@ -1,0 +1,1 @@
+"""Motion of bodies, as far as a case alone tells it."""

@@ -1,0 +1,110 @@
+"""The facet of one body next to a facet of another, in an array of flat discs."""
+
+from math import inf, sqrt
+
+from pgimp.jit.kernel import inner_kernel
+from pgimp.kernels.contact.surfaces.data import turns
+
+#: Greatest cosine between normals of facets that meet; above `OPPOSED` they meet less readily than
+#: others: at an edge a face meets the other face that it lies on, not the one beside it. Weight of
+#: the square of what is above, over that of a distance of a cell.
+MEETS, OPPOSED, ASKEW = 0.3, -0.5, 4.0
+
+#: Cells by which facets of one body are apart in the initial state if they may meet.
+APART = 2.0
+
+#: Weight of the distance along a facet, so that one of several in a plane is next to a point.
+_ALONG = 1e-6
+
+#: Part of a disc's radius by which a gap may be less than the distance from its plane.
+_OFF = 0.25
+
+#: Beside a disc by more than its radius times the root of 2: least part of the square that is from
+#: the rim on.
+_BEYOND = 0.0857
+
+
+@inner_kernel
+def reluctance(same, cell):
+    """Square of a length by which facets are farther from each other, by the cosine of normals."""
+    return inf if same > MEETS else ASKEW * (max(0.0, same - OPPOSED) * cell) ** 2
+
+
+@inner_kernel
+def apart(surface, s, f, cell):
+    """Whether two facets of one body are so far apart in the initial state that they may meet.
+
+    Of both patches the one with the smaller number looks for the other.
+    """
+    square = 0.0
+    for d in range(3):
+        way = surface.x[s, d] - surface.x[f, d]
+        square += (way - turns(surface, way, d)) ** 2
+    return surface.patch[s] < surface.patch[f] and square > (APART * cell) ** 2
+
+
+@inner_kernel
+def square_between(D, surface, s, cell, f, most):
+    """Square of the distance of facet `s` from facet `f`, with the `reluctance` of both.
+
+    It is inf where it is seen to be above `most` before roots are taken.
+    """
+    x, facing = surface.now[s], surface.turned[s]
+    if surface.body[s] == surface.body[f] and not apart(surface, s, f, cell):
+        return inf
+    along, whole, same = 0.0, 0.0, 0.0
+    for d in range(3):
+        way, n = x[d] - surface.now[f, d], surface.turned[f, d]
+        way -= turns(surface, way, d)
+        along += way * n
+        whole += way * way
+        same += facing[d] * n
+    beside = max(whole - along * along, 0.0)
+    square, over = along * along + _ALONG * beside, 0.0
+    reach = surface.radius[f] * surface.radius[f]
+    if D > 1 and beside > reach:
+        if square > most or (beside > 2.0 * reach and square + _BEYOND * beside > most):
+            return inf
+        over = sqrt(beside) - sqrt(reach)
+    return square + over * over + reluctance(same, cell)
+
+
+@inner_kernel
+def next_facet(D, surface, s, cell, f):
+    """Facet next to facet `s`, from facet `f` on along neighbours."""
+    least = square_between(D, surface, s, cell, f, inf)
+    while True:
+        best = f
+        for k in range(surface.start[f], surface.start[f + 1]):
+            other = surface.beside[k]
+            square = square_between(D, surface, s, cell, other, least)
+            if square < least or (square == least and other < best):
+                least, best = square, other
+        if best == f:
+            return f
+        f = best
+
+
+@inner_kernel
+def approach(D, surface, near, cell, walks, farthest):
+    """Least gap that a facet may have before the one next to it; inf if these are far apart.
+
+    Parameters
+    ----------
+    near : NEAR_FACET
+        The facet. With `walks` the one next to it is found, from `other` on.
+    cell, farthest : float
+        Side of a cell, and distance beyond which facets are far apart.
+    """
+    s = near.facet
+    if walks:
+        near.other = next_facet(D, surface, s, cell, near.other)
+    f, along, same = near.other, 0.0, 0.0
+    for d in range(3):
+        way = surface.now[s, d] - surface.now[f, d]
+        along += (way - turns(surface, way, d)) * surface.turned[f, d]
+        same += surface.turned[s, d] * surface.turned[f, d]
+    most = farthest * farthest + reluctance(same, cell)
+    if same > MEETS or square_between(D, surface, s, cell, f, inf) > most:
+        return inf
+    return along - _OFF * surface.radius[f]

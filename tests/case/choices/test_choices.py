@@ -1,0 +1,210 @@
+"""What a case leaves out of its method: chosen by body, from the case alone, and written down."""
+
+import json
+
+import pytest
+from scenes import box, scene
+from schema_checker import Checker
+from two_blocks import CASE
+
+import pgimp
+from pgimp.case.choices.choose import lines
+from pgimp.case.choices.facts import FLOWING
+from pgimp.case.choices.kept import kept
+from pgimp.case.choices.rules import MASS, OF_BODIES, OF_SCENES
+from pgimp.case.choices.written import written
+from pgimp.case.reader import read_case
+from pgimp.case.writer import dump_case
+from pgimp.errors import CaseError
+from pgimp.schema.pages import TITLES
+from pgimp.utilities.reference.jsonschema import json_schema
+
+WATER = {"model": "newtonian", "bulk": 6.0e5, "density": 1000.0, "shear-viscosity": 1.0e-3}
+STEEL = {"model": "von-mises", "young": 2.0e11, "poisson": 0.3, "density": 7800.0,
+         "yield-stress": 4.0e8}  # fmt: skip
+CLAY = {"model": "mohr-coulomb", "young": 1.0e6, "poisson": 0.3, "density": 1500.0,
+        "cohesion": 1.0e3, "friction-angle": 20.0}  # fmt: skip
+
+
+def bare(dimension, bodies, material=None, **parts):
+    """A scene without a method, a step or contact."""
+    data = scene(dimension, bodies, cells=[12] * dimension, **parts)
+    del data["method"], data["time"]["step"]
+    if material:
+        data["materials"]["soft"] = material
+    return data
+
+
+def configurations(case):
+    return {name: body.configuration for name, body in case.bodies.items()}
+
+
+def block(velocity=None):
+    return box([2.0, 2.0], [5.0, 5.0], velocity)
+
+
+def test_an_elastic_body_is_in_the_initial_configuration():
+    case = pgimp.load(bare(2, block()))
+    assert configurations(case) == {"body": "initial"}
+    assert case.method.shape == "gimp" and case.method.particles_per_cell == (2, 2)
+    assert case.bodies["body"].mass == "averaged"  # nothing meets
+    assert case.watched and not case.method.affine
+    walled = pgimp.load(bare(2, block(), boundaries={"y-min": "separating"}))
+    assert walled.bodies["body"].mass is None and walled.courant == 0.3
+    assert pgimp.load(bare(1, box([2.0], [5.0]))).method.particles_per_cell == (1,)
+
+
+@pytest.mark.parametrize("material", [WATER, CLAY])
+def test_what_flows_is_in_the_current_configuration(material):
+    case = pgimp.load(bare(2, block(), material))
+    assert configurations(case) == {"body": "current"} and case.method.affine
+    assert case.method.volumetric == ("mean" if material is CLAY else "pointwise")
+
+
+def test_a_metal_is_judged_by_its_strain():
+    """At 20 m/s Johnson's damage number is 0.008, at 200 m/s it is 0.8."""
+    slow, fast = (pgimp.load(bare(2, block([v, 0.0]), STEEL)) for v in (20.0, 200.0))
+    assert configurations(slow) == {"body": "initial"} and slow.method.volumetric == "mean"
+    assert configurations(fast) == {"body": "current"} and fast.method.affine
+
+
+def test_a_body_that_may_come_to_a_wall_that_holds_is_in_the_current_configuration():
+    walls = {"x-max": "fixed"}
+    near, far = (bare(2, block([v, 0.0]), boundaries=walls, end=1.0) for v in (8.0, 1.0))
+    assert configurations(pgimp.load(near)) == {"body": "current"}
+    assert "x-max" in "".join(lines(pgimp.load(near)))
+    assert configurations(pgimp.load(far)) == {"body": "initial"}
+
+
+def test_nearly_incompressible_bodies_have_mean_dilatation():
+    soft = {"model": "neo-hookean", "young": 100.0, "density": 1.0}
+    found = [pgimp.load(bare(2, block(), soft | {"poisson": nu})) for nu in (0.3, 0.49)]
+    assert [case.method.volumetric for case in found] == ["pointwise", "mean"]
+
+
+def test_bodies_that_may_meet_do_so_without_friction():
+    two = {"a": box([1.0, 1.0], [4.0, 4.0], [1.0, 0.0]), "b": box([6.0, 1.0], [9.0, 4.0])}
+    (entry,) = pgimp.load(bare(2, two, end=4.0)).contact
+    assert entry.bodies == "all" and entry.friction == 0.0
+    touching = two | {"b": box([4.0, 1.0], [7.0, 4.0])}
+    case = pgimp.load(bare(2, touching))
+    assert len(case.contact) == 1
+    assert "touch at the start" in lines(case)[-1] and "contact: bonded" in lines(case)[-1]
+    apart = two | {"a": box([1.0, 1.0], [2.0, 4.0])}
+    assert pgimp.load(bare(2, apart, end=0.1)).contact == ()
+
+
+def test_bonded_says_that_bodies_stick_together():
+    two = {"a": box([1.0, 1.0], [4.0, 4.0]), "b": box([4.0, 1.0], [7.0, 4.0])}
+    (entry,) = pgimp.load(bare(2, two, contact="bonded")).contact
+    assert entry.law.kind == pgimp.load(bare(2, two, contact=[
+        {"bodies": ["a", "b"], "law": "tied"}])).contact[0].law.kind  # fmt: skip
+    whole = scene(2, two, cells=[12, 12], contact="bonded")
+    assert pgimp.load(whole).contact == ()  # they share one field
+
+
+def test_layers_of_soil_and_liquids_flow_together():
+    two = {"a": box([1.0, 1.0], [4.0, 4.0]), "b": box([4.0, 1.0], [7.0, 4.0])}
+    assert pgimp.load(bare(2, two, CLAY)).contact == ()
+    three = bare(2, two | {"c": box([8.0, 1.0], [9.0, 4.0], material="hard")}, CLAY)
+    three["materials"]["hard"] = {"model": "neo-hookean", "young": 1e9, "poisson": 0.3,
+                                  "density": 1e3}  # fmt: skip
+    case = pgimp.load(three)
+    assert [entry.bodies for entry in case.contact] == ["all", ("a", "b")]
+    assert configurations(case) == {"a": "current", "b": "current", "c": "initial"}
+
+
+def test_what_is_written_stays():
+    data = bare(2, block())
+    data["method"] = {"shape": "cpdi", "affine": True}
+    data["bodies"]["body"]["configuration"] = "current"
+    data["time"]["step"] = 0.01
+    case = pgimp.load(data)
+    assert (case.method.shape, case.method.affine, case.time.step) == ("cpdi", True, 0.01)
+    assert configurations(case) == {"body": "current"}
+    assert pgimp.load(bare(2, block()), {"method.shape": "cpdi"}).method.shape == "cpdi"
+
+
+def test_a_whole_case_of_format_1_keeps_its_defaults():
+    """And of format 2 what it leaves out is chosen."""
+    first, second = (read_case(CASE.replace("format: 1", f"format: {n}"), "x") for n in (1, 2))
+    assert set(configurations(first).values()) == {"current"} and first.contact == ()
+    assert not lines(first) and not first.method.affine
+    assert len(second.contact) == 1 and lines(second)
+    assert second.time.step == first.time.step
+
+
+def test_the_resolved_case_chooses_nothing_and_is_the_same():
+    """It says what was chosen, as checkpoints do, whose case it is."""
+    case = pgimp.load(bare(2, block()))
+    text = dump_case(case)
+    assert text.startswith("# chosen: body: configuration initial")
+    again = read_case(text, "x")
+    assert again == case and not lines(again)
+
+
+def test_auto_is_the_same_as_nothing():
+    assert pgimp.load(bare(2, block()) | {"method": "auto"}) == pgimp.load(bare(2, block()))
+
+
+def test_what_the_initial_configuration_excludes_is_in_the_current_one_with_the_reason():
+    two = {"a": box([1.0, 1.0], [4.0, 4.0]), "b": box([4.0, 1.0], [7.0, 4.0])}
+    case = pgimp.load(bare(2, two, output={"grid": ["contact"]}))
+    assert set(configurations(case).values()) == {"current"} and case.method.affine
+    assert "output.grid.0" in lines(case)[0]
+
+
+def test_other_mistakes_are_named_as_in_any_case():
+    data = bare(2, block())
+    data["materials"]["soft"]["poisson"] = 0.7
+    with pytest.raises(CaseError, match=r"^case: materials\.soft\.poisson: "):
+        pgimp.load(data)
+
+
+def test_a_file_gets_what_was_chosen_and_keeps_its_comments():
+    text = CASE.replace("method: {shape: gimp, particles_per_cell: [2, 2]}\n", "  # none\n")
+    text = text.replace(", step: 0.01", "")
+    case = read_case(text, "x")
+    found = written(text, case)
+    assert "# Two soft blocks" in found and "  # none\n" in found
+    again = read_case(found, "x")
+    assert again.model_dump() == case.model_dump() and not lines(again)
+    assert len(found.splitlines()) <= len(text.splitlines()) + 3
+
+
+def test_a_resumed_run_keeps_its_choices():
+    """Another end, for instance, would let the body come to the wall."""
+    data = bare(2, block([1.0, 0.0]), boundaries={"x-max": "fixed"}, end=1.0)
+    before, longer = pgimp.load(data), pgimp.load(data, {"time.end": 20.0})
+    assert configurations(longer) == {"body": "current"}
+    found = kept(longer, read_case(dump_case(before), "x"))
+    assert configurations(found) == {"body": "initial"} and found.time.end == 20.0
+    assert found.method == before.method
+    assert kept(before, before) is before
+
+
+def test_the_table_names_pages_and_ends_with_what_always_fits():
+    for rules in (OF_BODIES, MASS, OF_SCENES):
+        for rule in rules:
+            assert rule.reason and rule.figure and rule.when
+            assert rule.page.partition("#")[0] in TITLES
+    assert "liquid" in FLOWING
+
+
+def test_choices_are_those_of_the_data_alone():
+    """Read twice, from JSON and from a loaded case."""
+    data = bare(3, box([2.0] * 3, [5.0] * 3))
+    one, other = pgimp.load(data), pgimp.load(json.loads(json.dumps(data)))
+    assert one == other and lines(one) == lines(other)
+
+
+def test_editors_know_what_may_be_left_out():
+    """By the JSON schema; and what is still refused."""
+    sees = Checker(json_schema())
+    for method in ("auto", {"affine": True}, {"shape": "cpdi"}, {"shape": "gimp", "affine": True}):
+        data = bare(2, block(), contact="bonded") | {"method": method}
+        assert sees(data), method
+        pgimp.load(data)
+    assert sees(bare(2, block()))
+    assert not sees(bare(2, block(), contact="glued"))
+    assert not sees(bare(2, block()) | {"method": {"shape": "tent"}})
