@@ -51,6 +51,8 @@ def _bend(sim, held):
         if not held:
             add -= (m > 0.0) * (add * m).sum() / m.sum()
         values[..., KEPT_VELOCITY + d] += add
+    if sim.rank.slaves:
+        sim.rank.slaves.spread(sim.rank, grid.kept.values, KEPT_VELOCITY)
     sim.rank.population.outdate(True)
 
 

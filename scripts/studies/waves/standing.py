@@ -36,6 +36,8 @@ def error(case, mode, exact, periods=6.0):
         shape = shape.reshape(there.shape) * (there > 0.0)
         values()[..., KEPT_VELOCITY + d] = SMALL * shape
         weights.append(there * shape)
+    if sim.rank.slaves:
+        sim.rank.slaves.spread(sim.rank, grid.kept.values, KEPT_VELOCITY)
     for _ in range(round(periods * 2.0 * np.pi / exact / dt)):
         seen.append(
             sum((w * values()[..., KEPT_VELOCITY + d]).sum() for d, w in enumerate(weights))

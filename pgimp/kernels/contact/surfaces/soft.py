@@ -15,7 +15,8 @@ all patches that may bear in the step, so that C is never below zero. Patches of
 its tips have no compliance, and none is felt there: those of the first may bear already.
 
 Along the normal C J is a gap: a stiff spring. Across it the change of J since the last step counts,
-so that friction holds what it bears.
+so that friction holds what it bears. Normals of patches differ: what C makes of impulses along them
+has a part across others, which would let these creep; it is taken away.
 """
 
 from math import sqrt
@@ -101,8 +102,8 @@ def _along(force, normal):
 
 
 @inner_kernel
-def _reference(contact, end, row, kept, dt):
-    """Impulse of the last step from which compliance counts; along the normal half of it.
+def _reference(contact, end, row, kept, dt, across):
+    """Impulse of the last step from which compliance counts, across the normal or along it: half.
 
     So gaps follow the impulse 2 J - J' of the step's end: springs that end steps with the impulse J
     of the step would damp. Across the normal, and where adhesion holds, gaps are not known; there
@@ -111,14 +112,17 @@ def _reference(contact, end, row, kept, dt):
     change, entry = 0.5 / EXTRAPOLATION, end.law - 1
     J = tuple(dt * (kept.force[d] + change * kept.change[d]) for d in range(3))
     if contact.pairs.kind[entry] == TIED:
-        return J
+        return J if across else (0.0, 0.0, 0.0)
     along = _along(J, row.normal)
+    if not across:
+        begins = 0.5 * dt * _along(kept.force, row.normal)
+        begins = max(along, -row.adhesion) if along < 0.0 else begins
+        return (begins * row.normal[0], begins * row.normal[1], begins * row.normal[2])
     t = tuple(J[d] - along * row.normal[d] for d in range(3))
     length = sqrt(t[0] ** 2 + t[1] ** 2 + t[2] ** 2)
     stress, pressed = row.area * dt, max(along, 0.0)
     part = sliding_part(contact.pairs, entry, row.shear_adhesion, pressed, stress, length, 0.0)
-    begins = max(along, -row.adhesion) if along < 0.0 else 0.5 * dt * _along(kept.force, row.normal)
-    return tuple(part * t[d] + begins * row.normal[d] for d in range(3))
+    return (part * t[0], part * t[1], part * t[2])
 
 
 @inner_kernel
@@ -135,13 +139,44 @@ def _grown(one, normal):
 
 
 @inner_kernel
-def _normal_velocity(contact, contact_pairs, k, coupling, solved):
-    """Velocity of a pair's ends apart, along the normal, with their compliance, as impulses are."""
-    w, row = 0.0, contact_pairs.states[k]
+def _velocity(contact, contact_pairs, k, coupling, solved):
+    """Velocity of a pair's ends apart, with their compliance, as impulses are."""
     load_pair(contact, contact_pairs, k, coupling, solved)
+    one, other = contact.fields[1].velocity, contact.fields[0].velocity
+    return (one[0] - other[0], one[1] - other[1], one[2] - other[2])
+
+
+@inner_kernel
+def _add_references(contact, kept, contact_pairs, coupling, solved, dt, across):
+    """Let compliance count from the impulses of the last step, see `_reference`."""
+    again, m = SOFT / (1.0 - SOFT), 0
+    for k in range(len(contact_pairs.ends)):
+        end, row = contact_pairs.ends[k], contact_pairs.states[k]
+        m, one = find_kept(kept, m, end)
+        if one < 0:
+            continue
+        J = _reference(contact, end, row, kept[one], dt, across)
+        for side in range(2):
+            r, sign = end.rows[side], 2.0 * side - 1.0
+            if r >= 0:
+                for d in range(3):
+                    contact_pairs.rigid[k, side, d] -= sign * solved.soft[r, d] * J[d]
+                add_impulse(r, (again * J[0], again * J[1], again * J[2]), sign, coupling, solved)
+
+
+@inner_kernel
+def _hold_across(contact, contact_pairs, k, coupling, solved, before):
+    """Take the part across the normal from what impulses along normals have added to a pair."""
+    end, normal = contact_pairs.ends[k], contact_pairs.states[k].normal
+    side = 1 if end.rows[1] >= 0 else 0
+    if end.rows[side] < 0:
+        return
+    v, along = _velocity(contact, contact_pairs, k, coupling, solved), 0.0
     for d in range(3):
-        w += row.normal[d] * (contact.fields[1].velocity[d] - contact.fields[0].velocity[d])
-    return w
+        along += normal[d] * (before[d] - v[d])
+    for d in range(3):
+        change = before[d] - v[d] - along * normal[d]
+        contact_pairs.rigid[k, side, d] -= (2.0 * side - 1.0) * change
 
 
 @kernel
@@ -159,13 +194,14 @@ def soften(contact, kept, contact_pairs, coupling, solved, sizes, scratch):
     sizes : (float, float, float, float)
         The step; least area of a patch in its weight; the length by which overlaps
         end in a step, beyond what compliance takes; the gap at which a patch may bear.
-    scratch : ((vertices, 3) float64, (pairs,) float64, (pairs,) float64)
+    scratch : ((vertices, 3) float64, (pairs, 3) float64, (pairs,) float64)
         Scratch, zero before.
     """
     (dt, _, parts, _), (sums, before, areas) = sizes, scratch
     for k in range(len(contact_pairs.ends)):
-        before[k] = _normal_velocity(contact, contact_pairs, k, coupling, solved)
-        areas[k] = before[k]
+        v = _velocity(contact, contact_pairs, k, coupling, solved)
+        before[k, 0], before[k, 1], before[k, 2] = v
+        areas[k] = _along(v, contact_pairs.states[k].normal)
     _set_areas(contact_pairs, kept, sizes, areas)
     _sum_areas(contact_pairs, coupling, areas, sums)
     for k in range(len(contact_pairs.ends)):
@@ -179,19 +215,10 @@ def soften(contact, kept, contact_pairs, coupling, solved, sizes, scratch):
             solved.inverse_mass[j, d] *= 1.0 - SOFT
     for n in range(len(solved.moved)):
         solved.moved[n] *= 1.0 - SOFT
-    again, m = SOFT / (1.0 - SOFT), 0
+    _add_references(contact, kept, contact_pairs, coupling, solved, dt, False)
     for k in range(len(contact_pairs.ends)):
-        end, row = contact_pairs.ends[k], contact_pairs.states[k]
-        m, one = find_kept(kept, m, end)
-        if one < 0:
-            continue
-        J = _reference(contact, end, row, kept[one], dt)
-        for side in range(2):
-            r, sign = end.rows[side], 2.0 * side - 1.0
-            if r >= 0:
-                for d in range(3):
-                    contact_pairs.rigid[k, side, d] = -sign * solved.soft[r, d] * J[d]
-                add_impulse(r, (again * J[0], again * J[1], again * J[2]), sign, coupling, solved)
+        _hold_across(contact, contact_pairs, k, coupling, solved, before[k])
+    _add_references(contact, kept, contact_pairs, coupling, solved, dt, True)
     m = 0
     for k in range(len(contact_pairs.ends)):
         row = contact_pairs.states[k]
@@ -199,7 +226,8 @@ def soften(contact, kept, contact_pairs, coupling, solved, sizes, scratch):
         if contact_pairs.ends[k].rows[0] < 0 and contact_pairs.ends[k].rows[1] < 0:
             continue
         # Half of what the last step's impulses give: the depth of the compliance at rest.
-        deep = before[k] - _normal_velocity(contact, contact_pairs, k, coupling, solved)
+        v = _velocity(contact, contact_pairs, k, coupling, solved)
+        deep = _along(before[k], row.normal) - _along(v, row.normal)
         part = _grown(kept[one], row.normal) if one >= 0 else 1.0
         row.gap_rate = max(row.gap_rate, -parts / dt - part * max(deep, 0.0))
         if areas[k] == 0.0 or row.gap_rate == 0.0:  # no gap corrects it

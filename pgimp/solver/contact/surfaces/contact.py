@@ -279,9 +279,8 @@ class SurfaceContact(ImpulseContact):
         compliant = coupling._replace(answer=coupling.answer.copy())
         softened = Solved(*(part.copy() for part in solved))
         softened = softened._replace(soft=np.zeros_like(coupling.answer))
-        kept, sums = self._warm_start.kept, np.zeros(solved.velocity.shape)
-        scratch = (sums, *np.zeros((2, count)))
-        sizes = self._dt, *self._sizes
+        scratch = np.zeros(solved.velocity.shape), np.zeros((count, 3)), np.zeros(count)
+        sizes, kept = (self._dt, *self._sizes), self._warm_start.kept
         call(soften, contact, kept, pairs, compliant, softened, sizes, scratch)
         self._warm_start.begin(contact, pairs, compliant, softened, self._dt)
         assert self._by_group is not None
