@@ -20,7 +20,7 @@ from pydantic import (
     model_validator,
 )
 
-from pgimp.case.accuracy import Accuracy
+from pgimp.case.accuracy.entry import Accuracy
 from pgimp.case.body import Body
 from pgimp.case.checks.parts import check, sound_parts
 from pgimp.case.choices.choose import left_out, without_choice

@@ -22,6 +22,8 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.start.validate_stages import look_ahead
 from pgimp.storage import atomic
 from pgimp.storage.plain import read_plain
+from pgimp.utilities.accuracy.accompany import foreseen
+from pgimp.utilities.accuracy.forecast import foretold
 from pgimp.utilities.batch.script import Job, write
 
 _WORD = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+:@/-]*", re.ASCII)
@@ -92,6 +94,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=_line,
         help="the script (default: the job's name with .sh, in this folder); - prints it",
     )
+    add("--error", action="store_true", help="run companions first, as pgimp --error does")
     add("--overwrite", action="store_true", help="replace the script if there is one")
 
 
@@ -143,7 +146,9 @@ def execute(args: argparse.Namespace) -> int:
         file="" if printed else os.path.abspath(script),
         version=installed("pgimp") or "unknown",
         imports=imported,
+        error=args.error,
     )
+    notes += foretold(Path(job.output), args.ranks, args.wall_time)
     if (Path(job.output) / RUN).exists():
         notes.append(f"{job.output} holds a run already; the job will go on with it")
     if printed:
@@ -167,6 +172,7 @@ def _examine(args: argparse.Namespace) -> list[str]:
     share(scene.case, Serial())
     _, _, notes = count_particles(scene, Serial())
     layers = scene.domain.frame.vertices[0] // (scene.settings.vertices - 1)
+    notes += foreseen(case)
     if args.ranks > layers:
         notes.append(f"the grid has layers for {layers} ranks; the others stand idle")
     return notes

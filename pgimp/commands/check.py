@@ -37,6 +37,7 @@ from pgimp.solver.start.memory import size_text
 from pgimp.solver.start.require_memory import MemoryShortError
 from pgimp.solver.time.stability import stability_warning, stable_courant
 from pgimp.storage import atomic
+from pgimp.utilities.accuracy.accompany import foreseen
 from pgimp.utilities.check.bodies import (
     MOST_BODIES,
     report_body,
@@ -200,6 +201,7 @@ def report(case: Case, verbose: bool = False) -> None:
         *stripes(case, poisson),
         *ordered_advice(case, bodies, known.crossing, dt, quick),
         *forecast.notes(whole, steps),
+        *foreseen(whole),
     ):
         print(f"note: {note}")
     # Bodies of one material have the same warnings about it.

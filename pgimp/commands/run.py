@@ -16,6 +16,7 @@ from pgimp.mpi.comm import abort_on_error, world
 from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.peers import within
 from pgimp.mpi.together import end_all_on_exceptions, require_same
+from pgimp.running.how import How
 from pgimp.running.log import Log
 from pgimp.running.progress import duration
 from pgimp.running.stop import Stop, wall_time
@@ -69,6 +70,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="run the case on larger cells first, and estimate the errors of history and probes",
     )
+    parser.add_argument(
+        "--forecast",
+        action="store_true",
+        help="only what runs on larger cells for --error, or for the case's `accuracy`, and what "
+        "the run itself will cost; --resume goes on with it",
+    )
     parser.add_argument("--quiet", action="store_true", help="nothing on the terminal but errors")
 
 
@@ -93,9 +100,9 @@ def execute(args: argparse.Namespace) -> int:
     output = Path(args.output or f"{Path(args.case).stem}.out")
     log = Log(comm.rank == 0, args.quiet)
     with Stop(comm, args.wall_time) as stop:
-        how = args.overwrite, args.resume, args.error
+        how = How(args.overwrite, args.resume, args.error, args.forecast)
         ended = _run(case, text, comm, output, how, log, stop)
-    return 0 if ended else STOPPED
+    return 0 if ended or (args.forecast and not stop.reason) else STOPPED
 
 
 def run(
@@ -188,7 +195,7 @@ def run(
             raise UsageError("a run is either replaced or resumed; choose one")
         with Stop(comm, wall_time) as stop:
             log = Log(comm.rank == 0, quiet)
-            how = overwrite, resume, error
+            how = How(overwrite, resume, error)
             _run(own_levels(case), text, comm, Path(output), how, log, stop, calls)
     return opened.open(output)
 
@@ -218,15 +225,12 @@ def _run(
     text: bytes | None,
     comm: Communicator,
     output: Path,
-    how: tuple[bool, bool, bool],
+    how: How,
     log: Log,
     stop: Stop,
     each: Each | None = None,
 ) -> bool:
-    """Run a case in a directory; return whether it reached its end.
-
-    It overwrites an older run, resumes it, and estimates errors, as `how` says.
-    """
+    """Run a case in a directory; return whether it reached its end."""
     from pgimp.case.choices.choose import lines as chosen_lines
     from pgimp.case.choices.kept import carried
     from pgimp.case.functions import functions_of
@@ -239,22 +243,21 @@ def _run(
     from pgimp.storage.hdf5 import load_h5py
     from pgimp.utilities.accuracy import accompany
 
-    overwrite, resume, error = how
-    directory = RunDirectory(output, comm, overwrite, resume, tuple(case.probes))
+    directory = RunDirectory(output, comm, how.overwrite, how.resume, tuple(case.probes))
     try:
         log.say(f"pgimp {installed('pgimp') or '(not installed)'}: {case.title or output.stem}")
         began = perf_counter()
         if comm.rank == 0:  # takes longer than writing most frames
             load_h5py()
         with announced(log.say):
-            if resume:
+            if how.resume:
                 case = as_begun(case, comm, directory)
-            if accompanied := accompany.wanted(case, directory, error):
-                chosen = accompany.begin(case, directory, log, stop, _run)
+            if accompanied := accompany.wanted(case, directory, how):
+                chosen = accompany.begin(case, directory, how, log, stop, _run)
                 if chosen is None:
                     return False
                 case = carried(case, chosen)
-            found = load_pair(case, comm, directory, log, each) if resume else None
+            found = load_pair(case, comm, directory, log, each) if how.resume else None
             if found == "done":
                 log.say(f"{output} holds this run, done already: nothing is left to do")
                 if accompanied:

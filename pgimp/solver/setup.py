@@ -196,6 +196,7 @@ def resume(
         else:
             start.watch.numbers = state.watch
         start.watch.shorten(start.clock)
+    release(start.case)  # where bodies meet their surfaces are needed
     return start
 
 

@@ -19,7 +19,7 @@ from pgimp.kernels.data.ledger import PLACES, TAKEN, Ledger
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.sums.sums import STRAIN, SUMS
 from pgimp.physics.loads.surfaces import surface_width
-from pgimp.scene.geometry import take_as_empty
+from pgimp.scene.geometry import release, take_as_empty
 from pgimp.scene.rigid.free_body import State
 from pgimp.scene.scene import Scene
 from pgimp.scene.wave_speeds import rest_rate
@@ -64,6 +64,7 @@ def enter(now: Start, case: Case) -> Start:
     new.interaction.rigid_bodies.measure(comm)
     warm_up(new, comm)
 
+    rank.contact.conclude(rank)
     gone = set(case.staged.removed) - set(old.case.staged.removed)
     arrivals = arrivals_of(new, old, rank)
     if gone:
@@ -91,13 +92,13 @@ def enter(now: Start, case: Case) -> Start:
         rank.move(now.balance.cuts, balance.cuts)
         particles = rank.up_to_date()
     balance.watch(rank.count)
-    books, free, before = rank.booked(), dict(_free(rank)), rank.grid
+    books, free, before, slaves = rank.booked(), dict(_free(rank)), rank.grid, rank.slaves
     grips = _grips(rank.grips, old, new)
     rank.enter(new, particles)
     _take_over(old, new, books, rank.booked())
     if rank.free:
         rank.free.states = [free[name] for name, _ in _free(rank)]
-    enter_motion(rank, before)
+    enter_motion(rank, before, slaves)
     if rank.grips:
         rank.grips.start(rank, grips)
     if arrivals:
@@ -123,6 +124,7 @@ def enter(now: Start, case: Case) -> Start:
         now.warnings += check_first_step(new, dt, max(now.rate, rank.parts_rate))
     except CaseError as error:
         raise RunError(f"{case.staged.title}: {error}") from None
+    release(case)  # where bodies meet their surfaces are needed
     return now
 
 

@@ -1,4 +1,4 @@
-"""Results for users: run directories whose tables know the units of their columns."""
+"""Results for users: run directories whose tables know units and errors of their columns."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from pgimp.io.results.reader import Run
+from pgimp.utilities.accuracy.found import errors_of
 
 
 def open(directory: str | Path) -> Run:
@@ -22,7 +23,7 @@ def open(directory: str | Path) -> Run:
     UsageError
         If the directory has no run.
     """
-    return Run(Path(directory), units_of)
+    return Run(Path(directory), units_of, errors_of)
 
 
 def units_of(run: Run, columns: Sequence[str]) -> dict[str, str]:

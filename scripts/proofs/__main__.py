@@ -5,7 +5,8 @@ import sys
 from pathlib import Path
 
 PROOFS = (
-    "kill", "signals", "cases", "checkpoints", "long", "liquids", "scenes", "heaps", "kept", "bits",
+    "kill", "signals", "cases", "checkpoints", "long", "liquids", "scenes", "heaps", "surfaces",
+    "kept", "bits",
 )  # fmt: skip
 
 if __name__ == "__main__":

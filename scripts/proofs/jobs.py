@@ -67,6 +67,37 @@ output: {every: {steps: 37}, grid: [contact]}
 history: {every: {steps: 10}}
 checkpoint: {every: {steps: 25}, keep: 3}
 """
+#: Bodies that meet by surfaces across a seam, with frames of these; balls that rebound; a stage.
+SURFACES = """\
+format: 1
+title: Blocks and balls across a seam
+dimensions: 2
+grid: {origin: [0.0, 0.0], size: [24.0, 10.0], cell: [0.5, 0.5]}
+method: {shape: gimp, particles_per_cell: [2, 2]}
+time: {end: 1.2, step: 0.01, stages: [{name: later, end: 2.4, remove: [goes]}]}
+materials:
+  soft: {model: neo-hookean, young: 100.0, poisson: 0.3, density: 1.0}
+bodies:
+  left: {material: soft, configuration: initial, velocity: [-2.0, 0.0],
+         region: {box: {min: [0.6, 0.1], max: [6.0, 3.0]}}}
+  right: {material: soft, configuration: initial, velocity: [1.0, -1.0],
+          region: {ball: {centre: [21.0, 2.6], radius: 2.2}}}
+  goes: {material: soft, configuration: initial, region: {box: {min: [8.0, 0.1], max: [11.0, 2.2]}}}
+  one: {rigid: {density: 2.0}, velocity: [2.0, -1.0],
+        region: {ball: {centre: [12.3, 5.0], radius: 1.2}}}
+  other: {rigid: {density: 2.0}, region: {ball: {centre: [16.0, 5.2], radius: 1.2}}}
+gravity: [0.0, -1.0]
+boundaries:
+  x-min: periodic
+  x-max: periodic
+  y-min: {separating: {friction: 0.4, restitution: 0.5}}
+contact:
+  - {bodies: all, friction: 0.3}
+  - {bodies: [one, other], restitution: 0.8}
+output: {every: {steps: 19}, surface: [contact-pressure, traction, gap, slip, wear-work]}
+history: {every: {steps: 10}}
+checkpoint: {every: {steps: 25}, keep: 3}
+"""
 #: A job on two ranks that has not ended after this is taken for hung; more share the cores.
 PATIENCE = 60.0
 
@@ -164,14 +195,17 @@ def disturbed(name, words, runs):
         name, words, runs, tcp="ranks talk as between machines",
         short="fewer steps, at most 3 ranks", contact="bodies that meet, up to 7 ranks",
         heap="many bodies in a drum, up to 7 ranks",
+        surfaces="bodies that meet by surfaces, up to 7 ranks",
     )  # fmt: skip
-    options.contact |= options.heap
+    options.contact |= options.heap or options.surfaces
     return options
 
 
 def undisturbed(folder, options):
     """Results of the case that is to be disturbed; seconds of a run on two ranks, compiled."""
     text = SHORT if options.short else MEET if options.contact else CASE
+    if options.surfaces:
+        text = SURFACES
     if options.heap:
         text = json.dumps(heaps.make(random.Random(options.seed), "drum"))
     (folder / "blocks.yaml").write_text(text)

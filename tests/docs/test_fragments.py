@@ -77,6 +77,11 @@ def plate():
     return case
 
 
+def followed():
+    """A case with a probe."""
+    return file_of("bar-vibration") | {"probes": {"tip": {"body": "bar", "at": [1.0]}}}
+
+
 def windy():
     """A case for which the functions of docs/own-functions.md are registered."""
     exec(compile(block_of("from math import exp, sin\n"), "wind.py", "exec"), {"__name__": "wind"})
@@ -106,6 +111,7 @@ FRAGMENTS = (
     ("materials:\n  steel:", lambda: scene(2, ("steel",)), ()),
     ("probes:\n  tip:", lambda: file_of("bar-vibration"), ()),
     ("probes:\n  edge:", plate, ()),
+    ("accuracy: {of: probe.tip", followed, ()),
     ("gauges:\n  waist:", lambda: scene(2), ()),
     ("materials:\n  clay:", lambda: scene(2, ("clay",)), ()),
     ("young:\n", lambda: scene(2), ("materials", "rubber")),

@@ -93,6 +93,13 @@ def test_random_scenes_are_the_same_on_any_ranks_and_their_books_balance():
 
 
 @pytest.mark.wide
+def test_bodies_that_meet_by_surfaces_keep_depth_momenta_energy_and_bits():
+    """Rings, a seam on which a body lies, and restitution are among them."""
+    said = prove("surfaces", "--short", "--runs", "3", timeout=1200)
+    assert "{'done': 3}" in said
+
+
+@pytest.mark.wide
 def test_heaps_go_on_to_the_same_bits():
     said = prove("heaps", "--short", "--runs", "2", timeout=1200)
     assert "{'the same bits': 2}" in said and said.count(" at ") >= 4

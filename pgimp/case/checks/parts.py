@@ -12,7 +12,7 @@ from typing import Any
 
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
-from pgimp.case.accuracy import check_accuracy
+from pgimp.case.accuracy.entry import check_accuracy
 from pgimp.case.checks.bodies import check_constraints, check_materials, check_tractions
 from pgimp.case.checks.configuration import check_averaged, check_parted
 from pgimp.case.checks.domain import (

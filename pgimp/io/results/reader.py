@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 __all__ = ["Frame", "Run"]
 
 UnitsOf = Callable[["Run", Sequence[str]], dict[str, str]]
+ErrorsOf = Callable[["Run", str, Table], dict[str, np.ndarray]]
 
 
 class Run:
@@ -37,6 +38,9 @@ class Run:
         The directory.
     units : callable, optional
         Takes the run and names of columns; returns their units.
+    errors : callable, optional
+        Takes the run, the name of a probe, empty for the history, and its table; returns the
+        estimated errors of the table's columns.
 
     Raises
     ------
@@ -44,8 +48,10 @@ class Run:
         If it has no run.
     """
 
-    def __init__(self, path: Path, units: UnitsOf | None = None) -> None:
-        self.path, self._units = path, units
+    def __init__(
+        self, path: Path, units: UnitsOf | None = None, errors: ErrorsOf | None = None
+    ) -> None:
+        self.path, self._units, self._errors = path, units, errors
         self._known: dict[Path, tuple[tuple[int, int], Frame]] = {}
         if runinfo.read(path / RUN) is None:
             there = (path / RUN).exists()
@@ -150,13 +156,16 @@ class Run:
 
     @property
     def history(self) -> Table:
-        """history.csv so far, as a structured array: ``run.history["time"]``; with `units`."""
+        """history.csv so far, a structured array: ``run.history["time"]``; `units`, `errors`."""
         return self._table(self.path / "history.csv")
 
     def _table(self, path: Path) -> Table:
         table: Table = history.read(path).view(Table)
         if self._units is not None:
             table.units_of = partial(self._units, self)
+        if self._errors is not None:
+            probe = "" if path.parent == self.path else path.stem
+            table.errors_of = partial(self._errors, self, probe)
         return table
 
     @property

@@ -21,16 +21,24 @@ class Table(np.ndarray):
 
     #: Returns the units of columns; None where they are not known.
     units_of: Callable[[Sequence[str]], dict[str, str]] | None = None
+    #: Returns the estimated errors of a table; None where they are not known.
+    errors_of: Callable[[Table], dict[str, np.ndarray]] | None = None
 
     def __array_finalize__(self, of: object) -> None:
-        """Keep the units in parts of a table."""
+        """Keep units and errors in parts of a table."""
         self.units_of = getattr(of, "units_of", None)
+        self.errors_of = getattr(of, "errors_of", None)
 
     @property
     def units(self) -> dict[str, str]:
         """Unit of each column, empty for one without: ``table.units["strain-energy"]``."""
         names = self.dtype.names or ()
         return self.units_of(names) if self.units_of else dict.fromkeys(names, "")
+
+    @property
+    def errors(self) -> dict[str, np.ndarray]:
+        """Estimated error of each column, (lines,); of a run without companions there are none."""
+        return self.errors_of(self) if self.errors_of else {}
 
     def __getitem__(self, key: Any) -> Any:
         """Return a column by its name; lines are indexed as in any array.

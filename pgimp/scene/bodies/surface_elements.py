@@ -38,9 +38,10 @@ def find_elements(
     ranges = []
     least, most = (body.region if within is None else within).bounds()
     for d, (e, (begin, end)) in enumerate(zip(body.edges, body.box, strict=True)):
-        low = max(begin - 1, int(np.floor((max(least[d], -1e300) - e[0]) / body.size[d])) - 1, -1)
-        high = (min(most[d], 1e300) - e[0]) / body.size[d]
-        high = min(end + 1, int(np.ceil(min(high, 2.0**60))) + 1, len(e))
+        # What a file has is empty where its particles exist already.
+        at = np.clip((np.array([least[d], most[d]]) - e[0]) / body.size[d], -(2.0**60), 2.0**60)
+        low = max(begin - 1, int(np.floor(at[0])) - 1, -1)
+        high = min(end + 1, int(np.ceil(at[1])) + 1, len(e))
         if d == 0:
             low, high = max(low, planes[0]), min(high, planes[1])
         ranges.append(np.arange(low, max(low, high)))

@@ -240,8 +240,8 @@ def require_clear(
             return
         text = (
             f"reaches {depth:.3g} cells into {what}: rigid bodies that move freely feel bodies of "
-            "a material; if all of these have `configuration: initial` and `surface: cut`, also "
-            "rigid ones with which they have an entry of `contact`, and walls that let go"
+            "a material; if some of these have `configuration: initial`, "
+            "also rigid ones with which they have an entry of `contact`, and walls that let go"
         )
         if number == 0:
             with located(rigid_bodies.case):

@@ -99,6 +99,9 @@ class NoContact:
     def restore_loads(self, loads: np.ndarray) -> None:
         """Continue with the `surface_loads` of a checkpoint, on every rank."""
 
+    def conclude(self, rank: RankState) -> None:
+        """End a stage in which no step may have been taken since a checkpoint; collective."""
+
     def follow(self, before: NoContact) -> None:
         """Go on from the contact of the stage before."""
 

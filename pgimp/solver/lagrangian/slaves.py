@@ -84,6 +84,8 @@ class Slaves(StepPart):
         Their weights.
     own : (bodies, n) float64
         The masses that slaves have of each body, and give to their masters.
+    mass : (m,) float64
+        The masters' masses with those of their slaves.
     free : (k,) int64
         Vertices that hold too little, and have no cell near them.
     courant : float
@@ -156,7 +158,7 @@ class Slaves(StepPart):
         even = np.array([pair[:2] for pair in moved], np.int64).reshape(-1)
         numbers = np.unique(np.concatenate([masters[chosen].reshape(-1), even]))
         self.of = np.searchsorted(numbers, masters[chosen])
-        self.masters, self._mass = known[numbers], folded[numbers]
+        self.masters, self.mass = known[numbers], folded[numbers]
         bodies = own.argmax(axis=0)
         self._find_changes([(known[[to, by]], bodies[to], mass) for to, by, mass in moved])
         if rank.averaged_mass:
@@ -210,7 +212,7 @@ class Slaves(StepPart):
         """
         if rank.scene.domain.seams:
             return
-        rows, records = self._located(rank), rank.grid.kept.values.reshape(-1, RECORD)
+        rows, records = self.located(rank), rank.grid.kept.values.reshape(-1, RECORD)
         keys, _, changes = self._changes
         slaves = np.isin(keys, self.keys)
         at, _ = self._records(rank, keys)
@@ -223,7 +225,7 @@ class Slaves(StepPart):
         """Add the forces on slaves to their masters'; see `StepPart.add_forces`."""
         if not needed(len(self.masters)):
             return
-        rows, grid = self._located(rank), rank.grid
+        rows, grid = self.located(rank), rank.grid
         to = self.of, self.weights, rows.masters
         rank.call(fold_vectors, grid.G, FORCE, self._forces(rank, rows), *to)
         self._leave(rank, rows)
@@ -232,12 +234,12 @@ class Slaves(StepPart):
         """The forces on all slaves that the rank needs, (n, 3); collective."""
         force = np.empty((len(self.keys), 3))
         rank.call(take_vectors, rank.grid.G, RECORD, FORCE, rows.own, force)
-        self._exchange(force, rows, 0)
+        self.exchange(force, rows, 0)
         return force
 
     def _leave(self, rank: RankState, rows: Rows) -> None:
         """Take forces and masses from slaves, as their masters have them; set all copies."""
-        rank.call(leave_to_masters, rank.grid.G, self._mass, rows.slaves, rows.masters)
+        rank.call(leave_to_masters, rank.grid.G, self.mass, rows.slaves, rows.masters)
         records = rank.grid.G.reshape(-1, RECORD)
         records[rows.copies[:, 1]] = records[rows.copies[:, 0]]
 
@@ -257,7 +259,7 @@ class Slaves(StepPart):
         """
         if not needed(len(self.keys)):
             return
-        rows, mass = self._located(rank), np.asarray(alpha @ self.own)
+        rows, mass = self.located(rank), np.asarray(alpha @ self.own)
         if len(lumped):
             mass[lumped] = 0.0
         rank.call(
@@ -288,9 +290,9 @@ class Slaves(StepPart):
         known = np.empty((len(self.masters), 3))
         if not needed(len(self.keys)):
             return known
-        rows = self._located(rank)
+        rows = self.located(rank)
         rank.call(take_vectors, values, size, first, rows.masters, known)
-        self._exchange(known, rows, 1)
+        self.exchange(known, rows, 1)
         to = self.of, self.weights, rows.slaves
         rank.call(spread_vectors, values, size, first, known, *to)
         records, vector = values.reshape(-1, size), slice(first, first + 3)
@@ -317,7 +319,7 @@ class Slaves(StepPart):
         """
         if not len(self.masters):
             return
-        rows = self._located(rank)
+        rows = self.located(rank)
         bodies, mass = self._changes[1][rows.changed], self._changes[2][rows.changed]
         counted = np.isin(bodies, [*some]) if some is not None else np.ones(len(bodies), bool)
         records = rows.records[counted]
@@ -338,13 +340,13 @@ class Slaves(StepPart):
 
     def led_by(self, rank: RankState, marked: np.ndarray) -> np.ndarray:
         """Whether slaves have masters among marked records of any rank, (n,) bool; collective."""
-        masters = self._located(rank).masters
+        masters = self.located(rank).masters
         found = self.comm.allgather((masters >= 0) & marked[masters])
         return np.asarray(np.any(found, axis=0)[self.of].any(axis=1))
 
     def records(self, rank: RankState, some: np.ndarray) -> np.ndarray:
         """Numbers of the records of some slaves that the rank has; collective as `spread`."""
-        rows = self._located(rank)
+        rows = self.located(rank)
         found, low = rows.slaves[some], rows.copies[:, 0]
         found = found[found >= 0]
         return np.concatenate([found, rows.copies[np.isin(low, found), 1]])
@@ -372,7 +374,7 @@ class Slaves(StepPart):
         at = i * stride[0] + field * size + j * stride[1] + k * stride[2]
         return np.where(there, at, -1), i
 
-    def _located(self, rank: RankState) -> Rows:
+    def located(self, rank: RankState) -> Rows:
         """Where the rank has slaves and masters; collective when planes or window have changed."""
         if self._field is rank.grid.field:
             return self._rows
@@ -408,7 +410,7 @@ class Slaves(StepPart):
         )  # fmt: skip
         return self._rows
 
-    def _exchange(self, values: np.ndarray, rows: Rows, which: int) -> None:
+    def exchange(self, values: np.ndarray, rows: Rows, which: int) -> None:
         """Set the vectors of slaves (0) or masters (1) that other ranks own; collective."""
         counts = rows.counts[which]
         if self.comm.size == 1 or not counts.sum():

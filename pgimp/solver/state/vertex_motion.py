@@ -17,12 +17,14 @@ from pgimp.kernels.data.record import MASS, MOMENTUM
 from pgimp.kernels.sums.errors import initial_velocities
 from pgimp.solver.lagrangian.cells import find_beyond, mark_corners
 from pgimp.solver.lagrangian.masters import Vertices
+from pgimp.solver.lagrangian.succession import hand_momentum_over
 from pgimp.solver.particle_groups import groups_of
 from pgimp.solver.state.stored_motion import vertex_keys
 from pgimp.solver.transfers import sum_particles
 
 if TYPE_CHECKING:
     from pgimp.decomposition.grid import Grid
+    from pgimp.solver.lagrangian.slaves import Slaves
     from pgimp.solver.rank import Rank
 
 #: Tag of messages with the corners of cells in shared planes.
@@ -79,11 +81,17 @@ def begin_motion(rank: Rank, gradients: np.ndarray | None = None) -> None:
     if rank.slaves:
         _find_slaves(rank)
         rank.slaves.spread(rank, grid.kept.values, KEPT_VELOCITY)
-        for seam in scene.domain.seams:
-            inside, beyond = grid.copies(grid.by_vertex(grid.kept.values), seam.axis)
-            beyond[..., _VELOCITY] = inside[..., _VELOCITY]
+        _share_seams(rank)
     if particles.L.shape[1] and not scene.carried.affine:
         rank.drop_gradients()
+
+
+def _share_seams(rank: Rank) -> None:
+    """Give vertices beyond seams across y and z the velocities of the same ones inside."""
+    grid = rank.grid
+    for seam in rank.scene.domain.seams:
+        inside, beyond = grid.copies(grid.by_vertex(grid.kept.values), seam.axis)
+        beyond[..., _VELOCITY] = inside[..., _VELOCITY]
 
 
 def _joined(rank: Rank, values: np.ndarray) -> np.ndarray:
@@ -226,7 +234,7 @@ def _exact(rank: Rank) -> np.ndarray:
     return v
 
 
-def enter_motion(rank: Rank, before: Grid) -> None:
+def enter_motion(rank: Rank, before: Grid, slaves: Slaves | None) -> None:
     """Hand the motion over to the grid of a stage; collective.
 
     What the stage's conditions change of velocities is booked in its first step. Fields that become
@@ -238,6 +246,8 @@ def enter_motion(rank: Rank, before: Grid) -> None:
         The rank in the stage.
     before : Grid
         The grid of the stage before, with the same planes.
+    slaves : Slaves or None
+        The slaves of the stage before.
     """
     scene = rank.scene
     if scene.settings.lagrangian_bodies is None:
@@ -257,6 +267,11 @@ def enter_motion(rank: Rank, before: Grid) -> None:
     else:
         _regroup(rank, bodies, before, was, now)
     keep_masses(rank)  # a resumed run has no room for vertices far from others
+    if rank.slaves:
+        mine = [new for new, _ in pairs]
+        came = {new: old_field for new, old_field in pairs if mine.count(new) == 1}
+        hand_momentum_over(rank, slaves, 1 + max(before.fields, default=0), came)
+        _share_seams(rank)
 
 
 def velocity_field(grid: Grid, body: int) -> int:

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from math import inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pgimp.case.rescaled import rescaled
+from pgimp.case.accuracy.rescaled import rescaled
 from pgimp.errors import RunError, UsageError, explain
 from pgimp.io.rundir.ownfiles import COARSE, ERRORS
 from pgimp.io.rundir.runinfo import describe_start
 from pgimp.mpi.collective import on_root
+from pgimp.running.how import How
 from pgimp.running.log import Log
 from pgimp.running.progress import duration
+from pgimp.scene.scene import Scene
+from pgimp.schema.messages import unknown
+from pgimp.solver.history.diagnostics import column_names
 from pgimp.storage import atomic
 from pgimp.utilities.accuracy import quantity
 from pgimp.utilities.accuracy.companions import (
@@ -25,7 +29,7 @@ from pgimp.utilities.accuracy.companions import (
     thinnest,
 )
 from pgimp.utilities.accuracy.forecast import cost_of, seconds_of
-from pgimp.utilities.accuracy.found import Companions, Line, as_csv, with_error
+from pgimp.utilities.accuracy.found import Companions, as_csv, told, with_error
 
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
@@ -34,19 +38,26 @@ if TYPE_CHECKING:
 
 #: Part of the allowed error for which cells are chosen.
 _MARGIN = 0.9
-#: Quantities that the line about the errors of a run names, at most.
-_NAMED = 6
 
 
-def wanted(case: Case, directory: RunDirectory, error: bool) -> bool:
-    """Whether companions run first; those of a run that is resumed go on; collective."""
+def wanted(case: Case, directory: RunDirectory, how: How) -> bool:
+    """Whether companions run first; those of a run that is resumed go on; collective.
+
+    Raises
+    ------
+    UsageError
+        If only they are to run, and the run itself has begun.
+    """
+    step = (directory.before or {}).get("steps")
+    if how.forecast and step and not how.overwrite:
+        raise UsageError(f"{directory.path} holds a run that has begun: it needs no --forecast")
     begun = directory.before is not None and not directory.overwrite
     begun = directory.comm.bcast(begun and (directory.path / COARSE).is_dir())
-    return error or case.accuracy is not None or begun
+    return how.error or how.forecast or case.accuracy is not None or begun
 
 
 def begin(
-    case: Case, directory: RunDirectory, log: Log, stop: Stop, run: Callable[..., bool]
+    case: Case, directory: RunDirectory, how: How, log: Log, stop: Stop, run: Callable[..., bool]
 ) -> Case | None:
     """Do the companion runs of a case, or those that are missing; collective.
 
@@ -58,7 +69,7 @@ def begin(
     Returns
     -------
     Case or None
-        The case to run, with the chosen cells; None if it was stopped before.
+        The case to run, with the chosen cells; None if it was stopped before, or for a forecast.
 
     Raises
     ------
@@ -68,9 +79,9 @@ def begin(
         If a companion fails.
     """
     comm = directory.comm
-    levels = levels_of(case) if case.accuracy is None else _levels(case)
-    planned = companions(case, levels, directory.path)
+    planned = _planned(case, directory.path)
     directory.accompany(describe_start(comm, 0))
+    fresh = directory.overwrite or not (directory.before or {}).get("steps")
     for note in notes(case, planned):
         log.say(f"warning: {note}")
 
@@ -78,56 +89,91 @@ def begin(
         log.say(f"companion run on cells of {one.cells}, in {one.path}")
         quiet = Log(comm.rank == 0, True)
         try:
-            ended = run(one.case, None, comm, one.path, (False, True, False), quiet, stop)
+            ended = run(one.case, None, comm, one.path, How(resume=True), quiet, stop)
         except RunError as error:
-            text = f"the companion run in {one.path} failed: {error}"
-            directory.record_failure("failed", 0, 0.0, text)
+            text = (
+                f"the companion run in {one.path} failed: {error}\n"
+                "The run itself has not begun. Smaller cells (grid.cell) may help; without "
+                "--error, or `accuracy`, there are no companions"
+            )
+            if fresh:
+                directory.record_failure("failed", 0, 0.0, text)
             raise type(error)(text) from error
         if ended:
             continue
-        directory.finish("stopped", 0, 0.0, 0.0, f"stopped {stop}, in a companion run")
+        if fresh:
+            directory.finish("stopped", 0, 0.0, 0.0, f"stopped {stop}, in a companion run")
         log.say(f"stopped {stop} in a companion run; the same command with --resume goes on")
         return None
-    chosen, said = on_root(comm, lambda: _chosen(case, planned, comm.size, stop))
+    chosen, forecast, said = on_root(comm, lambda: _chosen(case, planned, comm.size, stop))
     for text in said:
         log.say(text)
+    if how.forecast:
+        directory.finish("stopped", 0, 0.0, 0.0, "only a forecast", {"forecast": forecast})
+        log.say("the same command with --resume in place of --forecast goes on")
+        return None
     return rescaled(case, chosen) if chosen != 1.0 else case
 
 
-def _levels(case: Case) -> list[float]:
-    """Levels of the companions that choose the cells: three, if bodies are thick enough."""
+def _planned(case: Case, path: Path) -> list[Companion]:
+    """The companions of a case; those that choose cells are three, if bodies are thick enough.
+
+    Raises
+    ------
+    UsageError
+        If there can be none, or the history will not have what the case asks for.
+    """
+    if (entry := case.accuracy) is None:
+        return companions(case, levels_of(case), path)
+    if not entry.probe and entry.column not in (names := column_names(Scene(case))):
+        text = unknown("column", entry.column, names, "history.csv will have")
+        raise UsageError(f"accuracy.of: {text}")
     across = thinnest(case)[0]
-    for levels in ([8.0, 4.0, 2.0], [4.0, 2.0, 1.0], [4.0, 2.0]):
-        if across >= FEWEST * levels[0]:
-            return levels
-    return [2.0, 1.0]
+    most = next((level for level in (8.0, 4.0) if across >= FEWEST * level), 2.0)
+    return companions(case, [most / 4.0, most / 2.0, most] if most > 2.0 else [1.0, 2.0], path)
 
 
 def _chosen(
     case: Case, planned: list[Companion], ranks: int, stop: Stop
-) -> tuple[float, list[str]]:
-    """Cells of the run over those of the case, and what to say; on rank 0."""
+) -> tuple[float, dict[str, object], list[str]]:
+    """Cells of the run over those of the case, its forecast, and what to say; on rank 0."""
     costs = [(one.ratio, spent) for one in planned if (spent := cost_of(one.path))]
 
+    def seconds(factor: float) -> float | None:
+        return seconds_of([(ratio / factor, spent) for ratio, spent in costs], case.dimensions)
+
     def cost(factor: float) -> str:
-        of = [(ratio / factor, spent) for ratio, spent in costs]
-        seconds = seconds_of(of, case.dimensions)
-        if seconds is None:
+        if (time := seconds(factor)) is None:
             return "of unknown cost"
-        text = f"about {duration(seconds)} on {ranks} rank{'s' * (ranks > 1)}"
-        if seconds > stop.left:
+        text = f"about {duration(time)} on {ranks} rank{'s' * (ranks > 1)}"
+        if time > stop.left:
             text += (
                 f", of which {duration(max(stop.left, 0.0))} are left: it will stop with a "
                 "checkpoint, and goes on with --resume"
             )
         return text
 
+    factor, said = (1.0, "") if case.accuracy is None else _factor_for(case, planned, cost)
+    known: dict[str, object] = {"seconds": seconds(factor), "ranks": ranks}
+    known["cell"] = list(case.grid.cell if factor == 1.0 else rescaled(case, factor).grid.cell)
+    itself = f"the run itself, on cells of {_cells(case, factor)}: {cost(factor)}"
+    return factor, known, [*([said] if said else []), itself]
+
+
+def _factor_for(
+    case: Case, planned: list[Companion], cost: Callable[[float], str]
+) -> tuple[float, str]:
+    """Cells that the accuracy needs, over those of the case, and the reason.
+
+    Raises
+    ------
+    UsageError
+        If they are smaller than the case allows, or nothing is known of the error.
+    """
     entry = case.accuracy
-    if entry is None:
-        return 1.0, [f"the run itself: {cost(1.0)}"]
+    assert entry is not None
     curves = [(one.ratio, quantity.curve(entry, one.path)) for one in planned]
-    finest = curves[-1][0]
-    fine = curves[-1][1]
+    finest, fine = curves[-1]
     known = quantity.found(entry, fine, [(ratio / finest, one) for ratio, one in curves[:-1]])
     allowed = _MARGIN * entry.allowed(known.value)
     on = f"{entry.label} is {with_error(known.value, known.error)} on cells of {planned[-1].cells}"
@@ -137,22 +183,19 @@ def _chosen(
             f"accuracy: {on}: {why}; take another quantity or time, or `within` as a number"
         )
     order = 1.0 if known.order is None else known.order
-    wanted = finest * (allowed / known.error) ** (1.0 / order) if known.error else inf
     told = f"by the order {order:.2g}" if known.order else "if the order is 1, which is not known"
+    wanted = finest * (allowed / known.error) ** (1.0 / order) if known.error else inf
     factor = _factor(case, wanted)
+    needs = f"within {entry.asked} needs cells of {_cells(case, wanted)}, {told}"
     if factor < entry.finest * (1.0 - 1e-9):
         raise UsageError(
-            f"accuracy: {on}; within {entry.asked} needs cells of {_cells(case, factor)}, {told}: "
-            f"{cost(factor)}.\nThat is finer than accuracy.finest allows, {entry.finest:g} of "
-            f"grid.cell: set it to {0.99 * factor:.2g}, or ask for less. The companion runs are "
-            "kept: --resume goes on with them"
+            f"accuracy: {on}; {needs}: {cost(factor)}.\n"
+            f"That is finer than accuracy.finest allows, {entry.finest:g} of grid.cell: set it to "
+            f"{0.99 * factor:.2g}, or ask for less. What has run is kept: --resume goes on with it"
         )
-    said = (
-        f"{on}; within {entry.asked} needs cells of {_cells(case, wanted)}, {told}"
-        if wanted < 1.0
-        else f"{on}: the case's cells are small enough for {entry.asked}, {told}"
-    )
-    return factor, [said, f"the run itself, on cells of {_cells(case, factor)}: {cost(factor)}"]
+    if wanted >= 1.0:
+        needs = f"the case's cells are small enough for {entry.asked}, {told}"
+    return factor, f"{on}; {needs}"
 
 
 def _factor(case: Case, wanted: float) -> float:
@@ -192,52 +235,30 @@ def conclude(case: Case, directory: RunDirectory, log: Log) -> None:
             atomic.write(path, as_csv(lines))
         except OSError as error:
             raise RunError(f"cannot write {path}: {explain(error)}") from error
-        if case.accuracy is None:
-            return [told(lines, path)]
-        return [_reached(case, known), f"{path} has the estimated errors of all columns"]
+        text = f"{path} has the estimated errors of all {len(lines)} columns"
+        if asked := quantity.of_run(known, case):
+            return [asked, text]
+        return [f"{told(lines)}; {text}"]
 
     for text in on_root(directory.comm, write):
         log.say(text)
 
 
-def _reached(case: Case, known: Companions) -> str:
-    """The quantity with its error, and whether that is small enough."""
-    entry = case.accuracy
-    assert entry is not None
-    others = [(ratio, quantity.curve(entry, path)) for ratio, path in known.runs]
-    one = quantity.found(entry, quantity.curve(entry, known.path), others)
-    part = f" ({100.0 * one.error / abs(one.value):.2g} %)" if one.value else ""
-    text = f"{entry.label}: {with_error(one.value, one.error)}{part}"
-    if one.error <= entry.allowed(one.value) * (1.0 + 1e-9):
-        return f"{text}, within {entry.asked} as asked"
-    return (
-        f"warning: {text}: more than the {entry.asked} asked for, as these cells show an error "
-        "that shrinks less than the larger ones promised; smaller cells (grid.cell) are needed"
+def foreseen(case: Case) -> Iterator[str]:
+    """Yield what a check says of a case that asks for an accuracy.
+
+    Raises
+    ------
+    UsageError
+        If it can have no companions.
+    """
+    if case.accuracy is None:
+        return
+    planned = _planned(case, Path())
+    cells = ", ".join(one.cells for one in planned)
+    yield (
+        f"accuracy: runs on cells of {cells} come first, and choose cells between those of the "
+        f"case, of which all is said here, and {case.accuracy.finest:g} of them; with --forecast "
+        "pgimp does only that, and says what the run will cost"
     )
-
-
-def told(lines: list[Line], path: Path) -> str:
-    """Return the line about the errors of the most telling quantities, of greatest values."""
-    names = [line.quantity for line in lines]
-    shown = [line for line in lines if _tells(line, lines)][:_NAMED]
-    parts = [f"{line.quantity} {100.0 * line.part:.2g} %" for line in shown if isfinite(line.part)]
-    some = "; ".join(parts) or "nothing that moves"
-    return f"estimated errors, of the greatest values: {some}; {path} has all {len(names)} columns"
-
-
-def _tells(line: Line, lines: list[Line]) -> bool:
-    """Whether a quantity is an energy, or the greatest component of a force or a displacement."""
-    name, greatest = line.quantity, abs(line.greatest)
-    if not greatest > 0.0:
-        return False
-    if name in ("kinetic-energy", "strain-energy", "external-work"):
-        return True
-    stem, _, axis = name.rpartition("-")
-    if axis not in ("x", "y", "z"):
-        return False
-    if not stem.startswith(("reaction.", "constraint.", "contact.")) and not stem.endswith(
-        (".force", ".displacement")
-    ):
-        return False
-    same = [abs(one.greatest) for one in lines if one.quantity.rpartition("-")[0] == stem]
-    return greatest >= max(same)
+    yield from notes(case, planned)

@@ -15,7 +15,9 @@ _MEANS = re.compile(
     r"tool\..*\.(force|torque)-[xyz]|gauge\..*\.(mass|momentum)-flux.*"
 )
 #: Columns without errors of their own.
-UNSEEN = ("time", "step", "dt", "stages.settling-time", "mass-scaling")
+_UNSEEN = re.compile(
+    r"time|step|dt|mass-scaling|stages\.settling-time|volume|tool\..*\.inside"  # of a particle
+)
 
 
 class Curve(NamedTuple):
@@ -24,6 +26,11 @@ class Curve(NamedTuple):
     times: Array  #: (lines,), ascending.
     values: Array  #: (lines,)
     mean: bool  #: Whether values are means since the line before.
+
+
+def has_error(column: str) -> bool:
+    """Whether a column means the same on all cells, as times and volumes of particles do not."""
+    return _UNSEEN.fullmatch(column) is None
 
 
 def curve_of(table: Array, column: str) -> Curve:

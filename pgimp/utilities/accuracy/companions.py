@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pgimp.case.rescaled import companion, ratio_of
+from pgimp.case.accuracy.rescaled import companion, ratio_of
 from pgimp.errors import UsageError
 from pgimp.io.rundir.ownfiles import COARSE
 from pgimp.running.accuracy.find import boxes_of, of_case
@@ -25,7 +25,7 @@ class Companion:
 
     def __init__(self, case: Case, level: float, directory: Path) -> None:
         self.case = companion(case, level)
-        self.ratio = ratio_of(self.case, case)
+        self.ratio = ratio_of(self.case.grid.cell, case.grid.cell)
         self.path = directory / COARSE / f"{level:g}h"
 
     @property

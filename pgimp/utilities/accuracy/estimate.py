@@ -4,7 +4,8 @@ With an error E = C x^p, x being cells over those of the finest run, runs at 1, 
 q0 - q1 = C (1 - x1^p) and q1 - q2 = C (x1^p - x2^p). Two runs do not tell p: it is taken as 1, so
 that of cells twice as large E is the whole difference. That is three times Richardson's error of a
 method of second order, the factor of safety of Roache (J. Fluids Eng. 116, 1994) for two grids.
-Three runs tell p, from the mean squares of both differences over time. It is kept within 1/2 and 2,
+Three runs tell p, from the mean sizes of both differences over time (of squares it
+would be 1/2 for a shock that is a few cells wide). It is kept within 1/2 and 2,
 as methods here have no higher order, and differences that do not shrink say nothing of it (Eça and
 Hoekstra, J. Comput. Phys. 262, 2014). Their error has the factor 1.25 of Roache for three grids.
 
@@ -57,7 +58,7 @@ class Estimate(NamedTuple):
         error = float(self._of(np.array(found), others))
         errors = self._of(self.curve.values, self.others)
         known = errors[np.isfinite(errors)]
-        least = 0.1 * float(np.sqrt((known**2).mean())) if len(known) else 0.0
+        least = 0.1 * float(known.mean()) if len(known) else 0.0
         return float(found), max(error, least)
 
     def _of(self, value: Array, others: Sequence[Array]) -> Array:
@@ -86,14 +87,13 @@ def estimate(curve: Curve, others: Sequence[tuple[float, Curve]]) -> Estimate:
 
 
 def _order(curve: Curve, others: Sequence[Array], sizes: Sequence[float]) -> float | None:
-    """Order from the mean squares of the differences; None if two runs do not tell it."""
+    """Order from the mean sizes of the differences; None if two runs do not tell it."""
     if len(others) < 2:
         return None
     fine, coarse = curve.values - others[0], others[0] - others[1]
     both = np.isfinite(fine) & np.isfinite(coarse)
     least = _ROUNDING * np.abs(curve.values[both]).max(initial=0.0)
-    first, second = (np.sqrt((one[both] ** 2).mean()) if both.any() else 0.0
-                     for one in (fine, coarse))  # fmt: skip
+    first, second = (np.abs(one[both]).mean() if both.any() else 0.0 for one in (fine, coarse))
     if not (first > least and second > least):
         return MOST_ORDER if first <= least else LEAST_ORDER
     return order_of(second / first, sizes)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from math import ceil
 from pathlib import Path
 from typing import NamedTuple
 
 from pgimp.io.rundir import runinfo
 from pgimp.io.rundir.ownfiles import RUN
+from pgimp.running.progress import duration
+from pgimp.running.stop import clock
 
 
 class Cost(NamedTuple):
@@ -52,3 +55,29 @@ def seconds_of(known: Sequence[tuple[float, Cost]], dimensions: int) -> float | 
             each = slope
     fixed = step - each * fine.particles
     return fine.steps * ratio * (fixed + each * fine.particles * ratio**dimensions)
+
+
+def foretold(path: Path, ranks: int, limit: float) -> Iterator[str]:
+    """Yield what ``--forecast`` has left in a run directory, for a job.
+
+    Parameters
+    ----------
+    path : Path
+        The run directory, which need not exist.
+    ranks, limit : int, float
+        Ranks of the job, and its time in seconds.
+    """
+    content = runinfo.read(path / RUN)
+    known = content["starts"][-1].get("forecast") if content else None
+    try:
+        assert isinstance(known, dict)
+        seconds = float(known["seconds"]) * int(known["ranks"]) / ranks
+        cells = " x ".join(f"{float(cell):.4g}" for cell in dict.fromkeys(known["cell"]))
+    except (AssertionError, KeyError, TypeError, ValueError):
+        return
+    jobs = max(1, ceil(seconds / limit))
+    yield (
+        f"{path} has a forecast: cells of {cells}, {duration(seconds)} on {ranks} "
+        f"rank{'s' * (ranks > 1)} if they share the work evenly: "
+        f"{jobs} job{'s' * (jobs > 1)} of {clock(limit)}"
+    )

@@ -2,24 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import re
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
+from pgimp.case.accuracy.rescaled import ratio_of
 from pgimp.errors import CaseError, PgimpError
 from pgimp.io.results import history
+from pgimp.io.results.reader import Run
+from pgimp.io.results.tables import Table
 from pgimp.io.rundir import runinfo
 from pgimp.io.rundir.ownfiles import COARSE, RUN
 from pgimp.io.rundir.probefiles import probe_file, probe_files
 from pgimp.schema.document import LARGEST_FILE, parse
 from pgimp.storage.plain import read_plain
-from pgimp.utilities.accuracy.aligned import UNSEEN, curve_of
+from pgimp.utilities.accuracy.aligned import curve_of, has_error
 from pgimp.utilities.accuracy.estimate import Estimate, estimate
 
 Array = np.ndarray
+
+#: Quantities that the line about the errors of a run names, at most, and of which kinds they are.
+_NAMED = 6
+_ENERGIES = ("kinetic-energy", "strain-energy", "external-work")
+_TELLING = re.compile(r"(reaction|constraint|contact)\..*|tool\..*\.force|probe\..*\.displacement")
 
 
 class Companions:
@@ -39,14 +48,15 @@ class Companions:
         for folder in sorted((path / COARSE).glob("*h")):
             info, cell = runinfo.read(folder / RUN), _cell(folder)
             if info and own and cell and info["starts"][-1]["state"] == "done":
-                ratio = float(np.prod([a / b for a, b in zip(cell, own, strict=False)]))
-                ratio **= 1.0 / len(own)
+                ratio = ratio_of(cell, own)
                 if ratio > 1.0 + 1e-9:
                     self.runs.append((ratio, folder))
         self.runs.sort()
 
-    def estimates(self, probe: str = "") -> dict[str, Estimate]:
-        """Return the errors of the columns of the history, or of a probe, by name.
+    def estimates(
+        self, probe: str = "", names: Collection[str] | None = None
+    ) -> dict[str, Estimate]:
+        """Return the errors of columns of the history, or of a probe, by name; of all if None.
 
         Raises
         ------
@@ -65,9 +75,18 @@ class Companions:
                 for ratio, table in tables
                 if name in (table.dtype.names or ())
             ]
-            if name not in UNSEEN and others:
+            if has_error(name) and others and (names is None or name in names):
                 found[name] = estimate(curve_of(fine, name), others)
         return found
+
+    def errors(
+        self, times: Array, probe: str = "", names: Collection[str] | None = None
+    ) -> dict[str, Array]:
+        """Return the errors at some times, (lines,) each, by column; the rest as of `estimates`."""
+        return {
+            name: np.interp(times, one.curve.times, one.errors)
+            for name, one in self.estimates(probe, names).items()
+        }
 
     def _table(self, path: Path, probe: str) -> Array:
         return history.read(probe_file(path, probe) if probe else path / "history.csv")
@@ -102,22 +121,22 @@ HEAD = ",".join(name.replace("_", "-") for name in Line._fields)
 
 
 def greatest(_: Array, values: Array) -> float:
-    """Return the value of the greatest size; nan without any."""
-    known = np.where(np.isfinite(values), np.abs(values), -1.0)
-    return float(values[known.argmax()]) if len(values) and known.max() >= 0.0 else np.nan
+    """Return the greatest size of values; nan without any."""
+    known = np.abs(values[np.isfinite(values)])
+    return float(known.max()) if len(known) else np.nan
 
 
 def _lines(before: str, estimates: dict[str, Estimate]) -> Iterator[Line]:
     for name, one in estimates.items():
-        most, error = one.of(greatest)
-        values = np.where(np.isfinite(one.curve.values), np.abs(one.curve.values), -1.0)
+        curve = one.curve
+        most = int(np.where(np.isfinite(curve.values), np.abs(curve.values), -1.0).argmax())
         yield Line(
             before + name,
-            float(one.curve.values[-1]),
+            float(curve.values[-1]),
             float(one.errors[-1]),
-            most,
-            float(one.curve.times[values.argmax()]),
-            error,
+            float(curve.values[most]),
+            float(curve.times[most]),
+            one.of(greatest)[1],
             np.nan if one.order is None else one.order,
         )
 
@@ -131,6 +150,24 @@ def as_csv(lines: list[Line]) -> str:
     return "".join(f"{row}\n" for row in [HEAD, *rows])
 
 
+def told(lines: Sequence[Line]) -> str:
+    """Return the errors of the greatest values of the most telling quantities, for messages."""
+    shown = [line for line in lines if tells(line, lines) and np.isfinite(line.part)][:_NAMED]
+    parts = [f"{line.quantity} {100.0 * line.part:.2g} %" for line in shown]
+    return (
+        f"estimated errors, of the greatest values: {'; '.join(parts) or 'of nothing that moves'}"
+    )
+
+
+def tells(line: Line, lines: Sequence[Line]) -> bool:
+    """Whether it is an energy, or the greatest component of a force or a displacement."""
+    stem, _, axis = line.quantity.rpartition("-")
+    if not abs(line.greatest) > 0.0 or line.quantity in _ENERGIES or axis not in ("x", "y", "z"):
+        return abs(line.greatest) > 0.0 and line.quantity in _ENERGIES
+    same = [abs(one.greatest) for one in lines if one.quantity.rpartition("-")[0] == stem]
+    return bool(_TELLING.fullmatch(stem)) and abs(line.greatest) >= max(same)
+
+
 def with_error(value: float, error: float) -> str:
     """Return a value and its error with as many digits as the error tells: ``12.3 +- 0.2``."""
     if not np.isfinite([value, error]).all():
@@ -139,6 +176,8 @@ def with_error(value: float, error: float) -> str:
         return f"{value:.9g} +- {error:.1g}"
     place = int(np.floor(np.log10(error)))
     place -= error / 10.0**place < 3.0  # two digits of errors that begin with 1 or 2
+    if place > 0:
+        value, error = (10.0**place * round(x / 10.0**place) for x in (value, error))
     size = max(int(np.floor(np.log10(max(abs(value), error)))), place)
     if -6 <= place and size < 6:
         digits = max(0, -place)
@@ -155,3 +194,14 @@ def _cell(path: Path) -> list[float] | None:
         data = parse(read_plain(path / "case.yaml", LARGEST_FILE).decode(), "case.yaml").data
         return [float(cell) for cell in data["grid"]["cell"]]
     return None
+
+
+def errors_of(run: Run, probe: str, table: Table) -> dict[str, Array]:
+    """Return the estimated errors of a table's columns at its lines; none without companions.
+
+    Raises
+    ------
+    RunError
+        If a file cannot be read.
+    """
+    return Companions(run.path).errors(np.asarray(table["time"]), probe) if len(table) else {}

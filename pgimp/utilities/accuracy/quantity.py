@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pgimp.case.accuracy import Accuracy
+from pgimp.case.accuracy.entry import Accuracy
 from pgimp.errors import UsageError
 from pgimp.io.results import history
 from pgimp.io.rundir.probefiles import probe_file
@@ -16,7 +16,10 @@ from pgimp.schema.instants import TimeMean
 from pgimp.schema.messages import unknown
 from pgimp.utilities.accuracy.aligned import Curve, curve_of
 from pgimp.utilities.accuracy.estimate import estimate
-from pgimp.utilities.accuracy.found import greatest
+from pgimp.utilities.accuracy.found import Companions, greatest, with_error
+
+if TYPE_CHECKING:
+    from pgimp.case.schema import Case
 
 Array = np.ndarray
 
@@ -66,9 +69,34 @@ def found(entry: Accuracy, fine: Curve, others: Sequence[tuple[float, Curve]]) -
 
         value, error = one.of(mean)
     elif entry.at == "max":
-        value, error = one.of(greatest)
+        size, error = one.of(greatest)
+        value = size if size in fine.values else -size
     else:
         at = fine.times[-1] if entry.at == "end" else float(entry.at)
         line = min(int(np.searchsorted(fine.times, at * (1.0 - 1e-9))), len(fine.times) - 1)
         value, error = float(fine.values[line]), float(one.errors[line])
     return Found(value, error, one.order)
+
+
+def of_run(known: Companions, case: Case) -> str:
+    """Return the quantity that a case asks for with its error; empty if it asks for none.
+
+    It begins with ``warning:`` where the error is greater than asked for.
+
+    Raises
+    ------
+    PgimpError
+        If a file cannot be read, or has no such column.
+    """
+    if (entry := case.accuracy) is None:
+        return ""
+    others = [(ratio, curve(entry, path)) for ratio, path in known.runs]
+    value, error, _ = found(entry, curve(entry, known.path), others)
+    part = f" ({100.0 * error / abs(value):.2g} %)" if value else ""
+    text = f"{entry.label}: {with_error(value, error)}{part}"
+    if error <= entry.allowed(value) * (1.0 + 1e-9):
+        return f"{text}, within {entry.asked} as asked"
+    return (
+        f"warning: {text}, more than the {entry.asked} asked for: with these cells the error "
+        "shrinks less than the larger ones promised; take smaller ones (grid.cell)"
+    )

@@ -51,6 +51,7 @@ class Job:
     file: str  #: Absolute path of the script; empty if it goes to the terminal.
     version: str  #: Version of pgimp.
     imports: Sequence[str] = ()  #: Python files that register materials.
+    error: bool = False  #: Whether companions run first, for estimated errors.
 
     @property
     def notice(self) -> int:
@@ -63,7 +64,7 @@ def write(job: Job) -> str:
     """Return the script of a job."""
     slurm = job.scheduler == "slurm"
     options = [f"--output={job.output}", "--resume", *(f"--set={one}" for one in job.changes)]
-    options += [f"--import={one}" for one in job.imports]
+    options += [f"--import={one}" for one in job.imports] + ["--error"] * job.error
     modules = [f"module load {shlex.quote(name)} || fail 'no such module'" for name in job.modules]
     if modules:
         modules[:0] = ["# shellcheck disable=SC1091", _MODULE]

@@ -15,7 +15,7 @@ from pgimp.running.accuracy.find import of_run
 from pgimp.running.accuracy.rules import Indicator
 from pgimp.running.progress import duration
 from pgimp.utilities.plot.runs import PlotRun
-from pgimp.utilities.report import citation, drawings, origin, parts
+from pgimp.utilities.report import citation, drawings, errors, origin, parts
 from pgimp.utilities.report.html import (
     Markup,
     block,
@@ -61,6 +61,7 @@ def report_of_run(path: Path, field: str | None = None) -> str:
     made = [
         section("Failure", *_failure(path, info)),
         section("Accuracy", found.problem, parts.accuracy_table(found.indicators, found.case)),
+        section("Estimated errors", *errors.estimated(shown)),
         section("Error against the exact solution", *_errors(shown, found.history)),
         section("Pictures", drawings.pictures(shown, field)),
         section("History", *_curves(shown, found.history)),

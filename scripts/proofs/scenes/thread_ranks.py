@@ -109,8 +109,8 @@ class Comm:
     def Recv_init(self, array, source, tag=0):
         return Request(self.world, self._box(source, self.rank, tag), array, True)
 
-    def Isend(self, array, to, tag=0):
-        request = self.Send_init(array, to, tag)
+    def Isend(self, array, dest, tag=0):
+        request = self.Send_init(array, dest, tag)
         request.Start()
         return request
 

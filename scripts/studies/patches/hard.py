@@ -31,7 +31,7 @@ def watched(sim, every=1, limit=10**9):
 
 
 def greatest(lines):
-    """Greatest energy at a step's end, of lines of all steps: their speeds are half a step earlier."""
+    """Greatest energy at a step's end, of lines whose speeds are half a step earlier."""
     return max(
         0.5 * (line["kinetic-energy"] + after["kinetic-energy"]) + line["strain-energy"]
         for line, after in pairwise(lines)

@@ -3,6 +3,7 @@
 from math import inf
 
 from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.kernels.contact.surfaces.data import turns
 from pgimp.kernels.contact.surfaces.nearest import apart, reluctance
 from pgimp.kernels.data.motion import DISPLACEMENT
 from pgimp.kernels.data.record import RECORD
@@ -53,6 +54,23 @@ def find_beside(x, body, key_of, bins, strides, radius, start, beside):
                     found += 1
         start[n + 1] = found
     return found
+
+
+@kernel
+def find_tips(surface, sharp):
+    """Mark the facets beside a sharp edge: a neighbour's normal is nearly the opposite one.
+
+    `sharp` is the greatest cosine between normals there.
+    """
+    for f in range(len(surface.x)):
+        for k in range(surface.start[f], surface.start[f + 1]):
+            m, alike, behind = surface.beside[k], 0.0, 0.0
+            for d in range(3):
+                way = surface.x[m, d] - surface.x[f, d]
+                alike += surface.normal[f, d] * surface.normal[m, d]
+                behind += (way - turns(surface, way, d)) * surface.normal[f, d]
+            if alike < sharp and behind < 0.0:
+                surface.tip[f] = 1
 
 
 @kernel

@@ -38,6 +38,7 @@ from pgimp.solver.contact.base import NoContact
 from pgimp.solver.contact.lagrangian.joint import Joint
 from pgimp.solver.contact.lagrangian.lagrangian import ImpulseContact, flat, nothing_held
 from pgimp.solver.contact.lagrangian.messages import greatest
+from pgimp.solver.contact.surfaces.depth import Depth
 from pgimp.solver.contact.surfaces.groups import (
     Grouped,
     add_books,
@@ -77,7 +78,8 @@ class SurfaceContact(ImpulseContact):
         self.loads = SurfaceLoads(comm) if scene.case.output.surface else None
         self._every = no_facets(0)
         rigid_bodies = scene.interaction.rigid_bodies
-        self._watch = OverrunWatch(scene, [*scene.body_names, *rigid_bodies.names])
+        names = [*scene.body_names, *rigid_bodies.names]
+        self._watch, self._depth = OverrunWatch(scene, names), Depth(scene, names)
         self._books: tuple[np.ndarray, Ledger] | None = None
         self._by_group: Grouped | None = None
         self._rebounds = rebounds_of(scene)
@@ -108,6 +110,12 @@ class SurfaceContact(ImpulseContact):
         if self.loads:
             self.loads.restore(loads)
 
+    def conclude(self, rank: RankState) -> None:
+        """See `NoContact.conclude`; loads of a checkpoint are of this stage's surfaces."""
+        if self.loads:
+            surface = self.known(rank).surface
+            self.loads.know(surface, self._proximity.labels)
+
     def follow(self, before: NoContact) -> None:
         """See `NoContact.follow`."""
         if self.loads and isinstance(before, SurfaceContact) and before.loads:
@@ -130,12 +138,13 @@ class SurfaceContact(ImpulseContact):
 
     def overrun(self, rank: RankState, done: Step) -> list[str]:
         """See `NoContact.overrun`."""
+        said = self._depth.look(self.comm)
         if self._table is None or not self._watch.due(done):
-            return []
+            return said
         u = self._proximity.all_displacements(rank, self._table)
         if self.comm.rank > 0:
             return []
-        return self._watch.look(self._table, self._acts, u, self.rigid_bodies, done)
+        return said + self._watch.look(self._table, self._acts, u, self.rigid_bodies, done)
 
     def exchange(self, rank: RankState, update: VertexUpdate) -> None:
         """See `NoContact.exchange`."""
@@ -224,9 +233,10 @@ class SurfaceContact(ImpulseContact):
             (proximity.far, walks, travels), every,
         )  # fmt: skip
         step = dt, travels
-        return self._pairs(
-            surface, cells, every, ReferenceVertices(share.keys, values), step, self._room
-        )
+        vertices = ReferenceVertices(share.keys, values)
+        joint = self._pairs(surface, cells, every, vertices, step, self._room)
+        self._depth.note(every, surface, update.t.start)
+        return joint
 
     def _travels(self, speed: float, dt: float) -> np.ndarray:
         """Ways of the fastest vertices of bodies, rigid bodies and walls in a step."""

@@ -65,9 +65,9 @@ def planes_by_rank(bodies: list[LatticeBody], ranks: int) -> list[dict[int, tupl
     """The planes of each body's lattice by the ranks that have them, about as many boxes each."""
     widths = [max(0, body.box[0][1] - body.box[0][0]) + 2 for body in bodies]
     # A surface crosses a plane in about as many boxes as its lattice there has along its edges.
-    many = [sum(1.0 + end - begin for begin, end in body.box[1:]) for body in bodies]
+    many = [1.0 + sum(1.0 + end - begin for begin, end in body.box[1:]) for body in bodies]
     cost = np.repeat(many, widths)
-    owner = ((np.cumsum(cost) - 0.5 * cost) * (ranks / cost.sum())).astype(np.int64)
+    owner = ((np.cumsum(cost) - 0.5 * cost) * (ranks / max(cost.sum(), 1.0))).astype(np.int64)
     found, begin = [], 0
     for body, width in zip(bodies, widths, strict=True):
         own, low = owner[begin : begin + width], body.box[0][0] - 1

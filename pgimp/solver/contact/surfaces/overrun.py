@@ -84,15 +84,21 @@ class OverrunWatch:
         order = np.lexsort((every, -surface.area, surface.patch))
         some = order[np.unique(surface.patch[order], return_index=True)[1]]
         point, normal, body = surface.now[some], surface.turned[some], surface.body[some]
+        periods = self._scene.domain.periods
         for a, b in _overlapping(
-            acts | acts.T, (body, point), (surface.body, surface.now), deep, D
+            acts | acts.T, (body, point), (surface.body, surface.now), deep, periods
         ):
             two = (min(a, b), max(a, b))
             if two in self._told or (a < len(soft)) != (b < len(soft)):
                 continue
             of, its = surface.now[surface.body == b], np.flatnonzero(body == a)
-            low, high = of.min(axis=0) + deep, of.max(axis=0) - deep
-            its = its[((point[its] > low) & (point[its] < high))[:, :D].all(axis=1)]
+            low, high = of.min(axis=0)[:D] + deep, of.max(axis=0)[:D] - deep
+            images = point[its]
+            images[:, :D] -= periods * np.round(
+                (images[:, :D] - 0.5 * (low + high)) / np.where(periods > 0.0, periods, np.inf)
+            )
+            inside = ((images[:, :D] > low) & (images[:, :D] < high)).all(axis=1)
+            its, images = its[inside], images[inside]
             if not len(its) or not self._closed(table, b):
                 continue
             for way in (*np.eye(3)[:D], *-np.eye(3)[:D]):  # inside, and so far from its surface
@@ -100,8 +106,8 @@ class OverrunWatch:
                 if a == b:  # its own surface is there, too
                     along = normal[its] @ way
                     least += np.where(along < -_ASKEW, 1.0, np.where(along > _ASKEW, 0.0, 0.5))
-                seen = self._turns(table, surface, b, u, point[its] + deep * way)
-                its = its[seen > least]
+                in_it = self._turns(table, surface, b, u, images + deep * way) > least
+                its, images = its[in_it], images[in_it]
                 if not len(its):
                     break
             if len(its):
@@ -124,17 +130,19 @@ class OverrunWatch:
         return [*(face for face in held if not periodic[face[0]]), *axis]
 
     def _images(self, points: np.ndarray) -> Iterator[np.ndarray]:
-        """Points, and their images beyond the planes at which surfaces end."""
-        frame = self._scene.domain.frame
+        """Points, their images beyond planes at which surfaces end, and the next across seams."""
+        frame, periods = self._scene.domain.frame, self._scene.domain.periods
         ways: list[list[float | None]] = [[None] for _ in range(self._scene.dimension)]
         for axis, side in self._planes:
             length = frame.cells[axis] * frame.cell[axis]
             ways[axis].append(frame.origin[axis] + (length if side > 0 else 0.0))
-        for way in product(*ways):
+        turns = product(*((-1, 0, 1) if period > 0.0 else (0,) for period in periods))
+        for way, turn in product(product(*ways), [*turns]):
             image = points.copy()
             for axis, place in enumerate(way):
                 if place is not None:
                     image[:, axis] = 2.0 * place - points[:, axis]
+                image[:, axis] += turn[axis] * periods[axis]
             yield image
 
     def _turns(
@@ -186,19 +194,21 @@ class OverrunWatch:
 
 def _overlapping(
     acts: np.ndarray, own: tuple[np.ndarray, np.ndarray], its: tuple[np.ndarray, np.ndarray],
-    deep: float, D: int,
+    deep: float, periods: np.ndarray,
 ) -> list[tuple[int, int]]:  # fmt: skip
     """Pairs of bodies of which points of the first may be deep in the second, ascending.
 
-    Both have bodies, (n,), and points there, (n, 3).
+    Both have bodies, (n,), and points there, (n, 3); `periods` are (D,), 0 without one.
     """
+    D = len(periods)
     ends = np.full((4, len(acts), D), np.inf)
     for k, (body, x) in enumerate((own, its)):
         np.minimum.at(ends[2 * k], body, x[:, :D])
         np.minimum.at(ends[2 * k + 1], body, -x[:, :D])
     least, most, low, high = ends[0], -ends[1], ends[2] + deep, -ends[3] - deep
     a, b = np.nonzero(acts)
-    near = ((most[a] > low[b]) & (least[a] < high[b])).all(axis=1)
+    joined = (periods > 0.0) & np.isfinite(most[a]) & np.isfinite(high[b])
+    near = (((most[a] > low[b]) & (least[a] < high[b])) | joined).all(axis=1)
     return [*zip(a[near].tolist(), b[near].tolist(), strict=True)]
 
 

@@ -23,16 +23,31 @@ def closed_faces(scene: Scene, body: LatticeBody, held: Sequence[tuple[int, int]
     """Axis and side of the faces of the domain behind which a body goes on.
 
     These are the faces with a condition that `held` has, both ends of a direction that the body
-    goes round, and the axis of rings.
+    goes round, and the axis of rings. Where such ends differ, both are surfaces as a whole.
     """
     domain, case = scene.domain, scene.case
     cell, (low, high) = np.array(domain.frame.cell), body.region.bounds()
     below = np.array(low) - case.grid.origin < _AT * cell
     above = np.array(high) - case.grid.corner > -_AT * cell
     round_it = [d for d, joined in enumerate(domain.periodic) if joined and below[d] and above[d]]
+    round_it = [d for d in round_it if _alike(body, d)]
     found = [face for face in held if not domain.periodic[face[0]]]
     found += [(d, side) for d in round_it for side in (-1, 1)]
     return [*found, (0, -1)] if case.axisymmetric else found
+
+
+def _alike(body: LatticeBody, d: int) -> bool:
+    """Whether both ends of a body along a direction are the same, to a box."""
+    differ = np.True_
+    for shift in (-0.2, 0.0, 0.3):  # what differs by rounding alone does so at one of them
+        axes = [each + shift * size for each, size in zip(body.centres, body.size, strict=True)]
+        inside = []
+        for end in (body.edges[d][0] + _AT * body.size[d], body.edges[d][-1] - _AT * body.size[d]):
+            axes[d] = np.array([end])
+            points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+            inside.append(body.region.contains(points.reshape(-1, len(axes))))
+        differ = differ & (inside[0] != inside[1])
+    return not differ.any()
 
 
 def one_period(

@@ -11,7 +11,7 @@ from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.surfaces.data import Surface, SurfaceCells
 from pgimp.kernels.contact.surfaces.motion import find_means
-from pgimp.kernels.contact.surfaces.search import find_beside, keys_of_vertices
+from pgimp.kernels.contact.surfaces.search import find_beside, find_tips, keys_of_vertices
 from pgimp.kernels.data.motion import KEPT_MASS
 from pgimp.kernels.data.record import RECORD
 from pgimp.scene.bodies.clouds.point_cloud import Cloud
@@ -97,11 +97,12 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     start, beside = _beside(scene, facets.x, body, float(cell.max()) * _BESIDE[D - 1])
     surface = Surface(
         facets.x, facets.normal, facets.middle, facets.half, facets.area, facets.radius,
-        facets.patch, body, index, place, facets.edges, _tips(facets, start, beside, periods),
+        facets.patch, body, index, place, facets.edges, np.zeros(len(body), np.uint8),
         start, beside, np.full((len(body), 3), np.inf), np.zeros((len(body), 3)),
         np.zeros((len(body), 2, 3)), np.zeros((len(body), 2**D)), periods if periods.any() else (),
     )  # fmt: skip
     find_means(frame, surface, np.zeros((2, 3)))
+    find_tips(surface, SHARP)
     keys = np.empty(len(numbers), np.int64)
     keys_of_vertices(bits_of(frame, 1 + max(fields, default=0)), numbers, keys)
     number = np.floor((facets.x[:, :D] - origin) / (WIDE * cell)).astype(np.int64)
@@ -282,18 +283,6 @@ def records_of(rank: RankState, numbers: np.ndarray) -> np.ndarray:
     stride = [s // RECORD for s in grid.window.stride]
     size = grid.window.extent[1] * grid.window.extent[2]
     return np.where(there, i * stride[0] + field * size + j * stride[1] + k * stride[2], -1)
-
-
-def _tips(facets: Facets, start: np.ndarray, beside: np.ndarray, periods: np.ndarray) -> np.ndarray:
-    """Mask of the facets beside a sharp edge: a neighbour's normal is nearly the opposite one."""
-    own = np.repeat(np.arange(len(facets.x)), np.diff(start))
-    alike = (facets.normal[own] * facets.normal[beside]).sum(axis=1)
-    way = facets.x[beside] - facets.x[own]
-    way -= np.rint(way / np.where(periods > 0.0, periods, np.inf)) * periods
-    behind = (way * facets.normal[own]).sum(axis=1) < 0.0
-    found = np.zeros(len(facets.x), np.uint8)
-    found[own[(alike < SHARP) & behind]] = 1
-    return found
 
 
 def _beside(

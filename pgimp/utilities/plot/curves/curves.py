@@ -11,6 +11,7 @@ import numpy as np
 
 from pgimp.errors import UsageError
 from pgimp.schema.messages import unknown
+from pgimp.utilities.plot.curves.bands import bands
 from pgimp.utilities.plot.curves.changes import Changes, axis_label, times
 from pgimp.utilities.plot.curves.series import Series, open_series
 from pgimp.utilities.plot.curves.spectra import FREQUENCY, Band, Peak, label_peaks, spectra
@@ -98,13 +99,14 @@ def curves(
         raise UsageError("--fft is over time: leave --x and --factor-x out")
     drawn_over = FREQUENCY if band else across
     heads = [times(changes.factor_x, drawn_over), *map(changes.label, names)]
-    table = Table(["run", *(["probe"] if probes else []), *heads])
-    drawn, remarks, peaks = [], [], []
+    drawn, remarks, peaks, widths = [], [], [], []
     for one in series:
         missing = [name for name in names if name not in one.columns]
         if missing:
             remarks.append(f"{one.shown.path} has no {', '.join(missing)}")
         values, left_out = one.take([across, *names, *([changes.over] if changes.over else [])])
+        over_time = across == "time" and not band
+        widths.append(bands(one, names, values[across], changes) if over_time else {})
         values = changes.of(values, names, across)
         if left_out:
             text = f"{left_out:,} lines left out: only of the probe, or only of the history"
@@ -114,11 +116,18 @@ def curves(
             peaks.append(found)
             remarks += told
         drawn.append(values)
+    banded = [name for name in names if any(name in one for one in widths)]
+    heads += [f"error of {changes.label(name)}" for name in banded]
+    table = Table(["run", *(["probe"] if probes else []), *heads])
+    for one, values, width in zip(series, drawn, widths, strict=True):
         same = [one.shown.name, *([one.probe] if probes else [])]
-        table.add(same, [values[name] for name in (drawn_over, *names)])
+        errors = [width.get(name, np.full(len(values[drawn_over]), np.nan)) for name in banded]
+        table.add(same, [*(values[name] for name in (drawn_over, *names)), *errors])
+    if banded:
+        remarks.append("bands are estimated errors, from runs on larger cells")
     if len({one.shown.units for one in series}) > 1:
         remarks.append(f"the runs have different units; those shown are of {series[0].shown.path}")
-    figure = _draw(series, drawn, (drawn_over, names), logarithmic, look, changes, peaks)
+    figure = _draw(series, drawn, (drawn_over, names), logarithmic, look, changes, peaks, widths)
     return figure, table, remarks
 
 
@@ -174,8 +183,9 @@ def _draw(
     look: Look,
     changes: Changes,
     peaks: Sequence[Mapping[str, Sequence[Peak]]],
+    widths: Sequence[Mapping[str, Array]],
 ) -> Figure:
-    """Draw columns, the first along the horizontal axis, and the peaks of spectra."""
+    """Draw columns, the first along the horizontal axis, peaks of spectra, and bands of errors."""
     from matplotlib.figure import Figure
 
     across, names = columns
@@ -209,6 +219,9 @@ def _draw(
                     label=plain(one.label) if not single else _words(name, members),
                 )
                 colour = COLOURS[number % len(COLOURS)]
+                if name in widths[i]:
+                    low, high = (values[name] + sign * widths[i][name] for sign in (-1.0, 1.0))
+                    axis.fill_between(values[across], low, high, color=colour, alpha=0.2, lw=0.0)
                 tops += [(peak, colour) for peak in peaks[i].get(name, ())] if peaks else []
         text = _words(members[0], []) if alone else _common(members, kind)
         if peaks:

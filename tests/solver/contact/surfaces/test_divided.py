@@ -12,7 +12,7 @@ from pgimp.solver.contact.surfaces.divided import planes_by_rank
 
 
 @pytest.mark.parametrize("ranks", [2, 5])
-@pytest.mark.parametrize("D", [2, 3])
+@pytest.mark.parametrize("D", [1, 2, 3])
 def test_facets_do_not_depend_on_who_measures(D, ranks):
     edges = [np.arange(25) * 0.5] * D
     ball = Ball(centre=[3.1, 4.2, 3.9][:D], radius=2.53)
@@ -31,3 +31,8 @@ def test_facets_do_not_depend_on_who_measures(D, ranks):
         )
         for one, other in zip(own, whole, strict=True):
             np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_scene_whose_bodies_are_all_gone_has_no_planes():
+    assert planes_by_rank([], 3) == []

@@ -100,3 +100,48 @@ def test_a_stretched_body_is_as_full():
     points = middle + np.array([[0.0, 0.0, 0.0], [9.0, 0.0, 0.0], [0.0, -9.0, 0.0]])
     turns = sim.rank.contact._watch._turns(table, surface, 1, X @ F.T - X, points)
     np.testing.assert_allclose(turns, [1.0, 0.0, 0.0], atol=5e-3)
+
+
+@pytest.mark.parametrize("way, deep", [(-0.4, False), (-0.7, True), (-12.8, True), (5.0, False)])
+def test_images_across_seams_are_seen(way, deep):
+    """A box that lies across a seam is full there, and so are its images."""
+    parts = [box_of([11.1, 2.1], [12.0, 5.2]), box_of([0.0, 2.1], [2.5, 5.2])]
+    bodies = {"left": {"material": "soft", "region": {"union": parts}} | EXACT,
+              "right": box([2.8, 2.6], [5.3, 4.6]) | EXACT}  # fmt: skip
+    case = scene(2, bodies, cells=[12, 9], materials={"soft": SOFT}, end=1e-2, step=1e-3,
+                 contact=[{"bodies": ["left", "right"]}],
+                 boundaries={"x-min": "periodic", "x-max": "periodic"})  # fmt: skip
+    assert len(told(case, [way, 0.0])) == deep
+
+
+@pytest.mark.parametrize("depth, deep", [(0.03, False), (0.1, True)])
+def test_surfaces_that_overlap_by_more_than_a_twentieth_of_a_cell_are_told(depth, deep):
+    """Once; where gaps between lines of the history count as well."""
+    case = two(2, box_of([6.0, 2.6], [9.2, 5.1]), [12, 9])
+    sim = start(case)
+    sim.advance()
+    rank, contact = sim.rank, sim.rank.contact
+    surface = contact.known(rank).surface
+    gone = np.unique(contact.known(rank).cells.corners[surface.cell[surface.body == 1]])
+    records = contact.proximity._records[gone]
+    rank.grid.kept.values.reshape(-1, RECORD)[records, DISPLACEMENT] -= 0.3 + depth
+    sim.advance()
+    sim.advance()
+    said = contact.overrun(rank, sim.now)
+    assert len(said) == deep and not contact.overrun(rank, sim.now)
+    if deep:
+        assert f"was {depth:.2g} cells deep" in said[0] and "near (5.7, " in said[0]
+
+
+def test_bodies_that_are_gone_are_not_looked_for_across_seams():
+    bodies = {name: box([low, 2.6], [low + 2.5, 4.6]) | EXACT
+              for name, low in (("left", 0.3), ("right", 4.1), ("goes", 7.9))}  # fmt: skip
+    case = scene(2, bodies, cells=[12, 9], materials={"soft": SOFT}, end=1e-3, step=1e-3,
+                 contact=[{"bodies": "all"}],
+                 boundaries={"x-min": "periodic", "x-max": "periodic"})  # fmt: skip
+    case["time"]["stages"] = [{"name": "later", "end": 2e-3, "remove": ["goes"]}]
+    sim = start(case)
+    sim.advance()
+    sim.next_stage()
+    sim.advance()
+    assert not sim.rank.contact.overrun(sim.rank, sim.now)

@@ -153,3 +153,18 @@ def test_a_free_body_is_no_longer_than_a_period():
     case["bodies"]["block"]["surface"] = "whole"
     with pytest.raises(CaseError, match="surface: cut for all bodies"):
         pgimp.load(case)
+
+
+def test_ends_that_differ_at_a_seam_are_surfaces():
+    """A block that slides over a seam against the side of a plateau which ends there rebounds."""
+    steps = [{"box": {"min": [0.0, 0.0], "max": [12.0, 2.0]}},
+             {"box": {"min": [8.1, 0.0], "max": [12.0, 4.1]}}]  # fmt: skip
+    block = {"box": {"min": [1.2, 2.2], "max": [3.7, 3.7]}}
+    bodies = {
+        "floor": {"material": "soft", "region": {"union": steps}} | EXACT,
+        "block": {"material": "soft", "region": block, "velocity": [-2.0, 0.0]} | EXACT,
+    }
+    case = scene(2, bodies, cells=[12, 7], step=0.02, end=1.5, contact=[{"bodies": "all"}],
+                 boundaries=periodic((0,)) | {"y-min": "fixed"})  # fmt: skip
+    first, last = run(case)
+    assert last["body.block.momentum-x"] > -0.3 * first["body.block.momentum-x"] > 0.0

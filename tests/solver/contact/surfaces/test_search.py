@@ -4,6 +4,9 @@ import numpy as np
 import pytest
 from scenes import box, field, scene, start
 
+from pgimp.kernels.contact.surfaces.gaps import find_gaps
+from pgimp.kernels.contact.surfaces.motion import move_facets
+
 pytestmark = pytest.mark.slow(20)
 
 EXACT = {"configuration": "initial", "surface": "exact"}
@@ -39,6 +42,38 @@ def test_nothing_depends_on_when_ranks_change():
     for sim in (moved, other):
         for name in ("x", "v", "sigma"):
             assert np.array_equal(field(sim, name), field(whole, name))
+
+
+def test_patches_without_gaps_are_too_far_to_act():
+    """What is not looked at has no gap at which its law acts; the others have the same ones."""
+    sim = corners()
+    contact, frame, acting, left = sim.rank.contact, sim.scene.domain.frame, 0, 0
+    while not sim.finished:
+        sim.advance()
+        proximity, table = contact.proximity, contact.known(sim.rank)
+        share, surface, call = proximity.share, table.surface, contact.call
+        if proximity.near is None or not len(proximity.candidates):
+            continue
+        u = np.zeros((len(share.keys), 4))
+        u[share.place] = sim.rank.grid.kept.values.reshape(-1, 8)[share.records, 1:5]
+        call(move_facets, frame, contact.rigid_bodies, surface, share.cells, u, share.moving,
+             proximity.scratch)  # fmt: skip
+        gaps, travels = [], contact._travels(1.0, sim.now.dt)
+        for ways in (np.full(len(travels), -1.0), travels):
+            every = proximity.candidates.copy()
+            call(find_gaps, frame, contact.laws, contact._walls, surface, (share.cells, u),
+                 proximity.scratch, (proximity.far, False, ways), every)  # fmt: skip
+            gaps.append(every["gap"].copy())
+        patch, near = surface.patch[every["facet"]], 4.0 * travels.max() + 1e-3
+        for one in np.unique(patch):
+            whole, looked = (gap[patch == one] for gap in gaps)
+            if np.isfinite(looked).any():
+                assert np.array_equal(whole, looked)
+                acting += 1
+            else:
+                assert whole.min() > near
+                left += np.isfinite(whole).any()
+    assert acting > 10 and left > 10
 
 
 def test_a_body_that_a_stage_removes_holds_nothing():

@@ -4,10 +4,12 @@ import h5py
 import numpy as np
 import pytest
 from pressed_blocks import pressed_disk, resting_block, sliding_block
+from run_files import digests
 from scenes import write_case
 
 import pgimp
 from pgimp.cli import main
+from pgimp.mpi.comm import Serial
 
 pytestmark = pytest.mark.slow(60)
 
@@ -144,3 +146,19 @@ def test_hertz(tmp_path):
     exact = np.sqrt(np.maximum(0.0, 1.0 - (x / half) ** 2))
     off = pressure / (2.0 * force / (np.pi * half)) - exact
     assert np.sqrt(area[under] @ off[under] ** 2 / area[under].sum()) < 0.09
+
+
+def test_loads_last_where_a_run_goes_on_into_a_stage(tmp_path):
+    """From the checkpoint at its end no step is taken in the stage that they are of."""
+    options = {"comm": Serial(), "quiet": True}
+    case = sliding_block()
+    region = {"box": {"min": [18.0, 4.0], "max": [20.0, 6.0]}}
+    case["bodies"]["goes"] = case["bodies"]["block"] | {"region": region}
+    case["time"]["end"] = 0.02
+    stage = {"name": "later", "end": 0.03, "remove": ["goes"]}
+    staged = case | {"time": case["time"] | {"stages": [stage]}}
+    together = pgimp.run(staged, output=tmp_path / "together", **options)
+    for resume, each in enumerate((case, staged)):
+        parts = pgimp.run(each, output=tmp_path / "parts", resume=bool(resume), **options)
+    assert digests(parts.path) == digests(together.path)
+    assert Surfaces(together, -1).total("slip", "block") > 0.0

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from math import ceil
+from collections.abc import Sequence
+from math import ceil, prod
 from typing import Any
 
 from pgimp.case.load import load
@@ -12,6 +13,8 @@ from pgimp.geometry.regions import Points
 
 #: Lines that a companion run writes for each of the case, between which values are interpolated.
 DENSER = 4
+#: Cells along a periodic direction below which it keeps what it has.
+_PERIODIC = 4
 #: Relative excess over a whole number of steps that is rounding.
 _ROUNDING = 1e-9
 
@@ -56,12 +59,11 @@ def companion(case: Case, factor: float) -> Case:
     return _load(data)
 
 
-def ratio_of(case: Case, of: Case) -> float:
-    """Return the cells of a case over those of another one, as a mean over the directions."""
-    found = 1.0
-    for cell, other in zip(case.grid.cell, of.grid.cell, strict=True):
-        found *= cell / other
-    return float(found ** (1.0 / case.dimensions))
+def ratio_of(cell: Sequence[float], of: Sequence[float]) -> float:
+    """Return the size of cells over that of others, a mean over the directions that differ."""
+    found = [one / other for one, other in zip(cell, of, strict=True)]
+    found = [ratio for ratio in found if abs(ratio - 1.0) > 1e-9]
+    return float(prod(found) ** (1.0 / len(found))) if found else 1.0
 
 
 def _load(data: dict[str, Any]) -> Case:
@@ -79,11 +81,9 @@ def _rescaled(case: Case, factor: float) -> dict[str, Any]:
                 f"bodies.{name}: its particles come from a file, and stay what they are on other "
                 "cells: there are no companion runs of such a case (--error, accuracy)"
             )
-    grid = case.grid
-    cells = [max(1, round(n / factor)) for n in grid.cells]
     data = case.model_dump(by_alias=True)
-    data["grid"]["cell"] = [size / n for size, n in zip(grid.size, cells, strict=True)]
-    shortest = min(data["grid"]["cell"]) / min(grid.cell)
+    data["grid"] |= _grid(case, factor)
+    shortest = min(data["grid"]["cell"]) / min(case.grid.cell)
     before = 0.0
     for number, stage in enumerate(case.stages):
         entry = data["time"]["stages"][number - 1] if number else data["time"]
@@ -102,3 +102,33 @@ def _rescaled(case: Case, factor: float) -> dict[str, Any]:
             if isinstance(every := entry.get("every"), dict):
                 entry["every"] = {"steps": max(1, round(every["steps"] / shortest))}
     return data
+
+
+def _grid(case: Case, factor: float) -> dict[str, Any]:
+    """Origin, size and cells of the grid.
+
+    Where whole cells do not fill the domain it grows beyond an open face, by less than a cell;
+    without any the cells become a little longer or shorter.
+    """
+    grid = case.grid
+    origin, sizes, cells = list(grid.origin), list(grid.size), list(grid.cell)
+    for axis, (n, name) in enumerate(zip(grid.cells, "xyz", strict=False)):
+        faces = [f"{name}-{side}" for side in ("min", "max")]
+        low = case.boundaries.get(faces[0])
+        fewest = min(n, _PERIODIC) if low is not None and low.joins else 1
+        wanted = n / factor
+        number = max(fewest, round(wanted))
+        kept = [
+            any(face in one.escape or one.boundaries.get(face) is not None for one in case.stages)
+            or (case.axisymmetric and face == "x-min")
+            for face in faces
+        ]
+        if abs(number - wanted) > _ROUNDING * n and not all(kept):
+            number = ceil(wanted)
+            cells[axis] = factor * grid.cell[axis]
+            sizes[axis] = number * cells[axis]
+            if kept[1]:
+                origin[axis] -= sizes[axis] - grid.size[axis]
+        else:
+            cells[axis] = grid.size[axis] / number
+    return {"origin": origin, "size": sizes, "cell": cells}
