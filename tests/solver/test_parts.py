@@ -14,7 +14,8 @@ from pgimp.solver.parts import PARTS, parts_of
 from pgimp.solver.vertices import StepPart
 
 CALLS = (
-    "begin", "add_forces", "slow", "book", "force_particles", "complete", "change_particles",
+    "begin", "strain", "add_forces", "slow", "book", "force_particles", "complete",
+    "change_particles",
 )  # fmt: skip
 
 

@@ -7,7 +7,7 @@ from pydantic import Field
 
 from pgimp.jit.kernel import class_of, exact, inlined, of_types
 from pgimp.physics.shapes.courant import LIMITS
-from pgimp.physics.shapes.phases import STRESS, StressOrder
+from pgimp.physics.shapes.phases import STABLE_AVERAGE, STRESS, StressOrder
 from pgimp.schema.base import Count, Model, NonNegative, chosen
 from pgimp.schema.dispatch import Either
 
@@ -96,7 +96,8 @@ class Shape(Model):
         than from particles, the more so the smaller the particles.
         """
         if self.volumetric == "pointwise" or len(self.particles_per_cell) == 1:
-            return self.stable_pointwise
+            symmetric = self.stress == "average" and not self.affine
+            return STABLE_AVERAGE if symmetric else self.stable_pointwise
         most, of_one = (0.45, 0.75) if len(self.particles_per_cell) == 2 else (0.35, 0.52)
         return min(most, of_one / max(self.particles_per_cell))
 
@@ -109,7 +110,8 @@ class Shape(Model):
         how = "affine" if self.affine else ""
         known = self.limits.get(how) or LIMITS.get(f"{self.name}{how and ', affine'}", {})
         found = known.get(dimensions) or known.get(dimensions - 1)  # nearly the same in 2D and 3D
-        if found is None or (self.volumetric == "mean" and dimensions > 1):
+        averages = self.volumetric == "mean" and dimensions > 1
+        if found is None or averages or (self.stress == "average" and not self.affine):
             return self.stable
         most = max(self.particles_per_cell)
         for per_cell, limit in found.items():

@@ -44,7 +44,7 @@ from rank_scenes.initial_bodies import (
 )
 from rank_scenes.laws import VARIED, affine, flowing, metals, varied
 from rank_scenes.leaving import PROBES, line_leaves, plane_leaves, sinks
-from rank_scenes.meetings import meeting, staged
+from rank_scenes.meetings import meeting, phased, staged
 from rank_scenes.passing import passing
 from rank_scenes.periods import endless, layer, rigid_round, round_and_round, surface_round
 from rank_scenes.plates import plates, plates_initial
@@ -93,6 +93,7 @@ SCENES = (
             sinks,
             loaded,
             meeting,
+            phased,
             staged,
             flowing,
             initial,

@@ -92,3 +92,11 @@ def staged():
         ],
     }  # fmt: skip
     return case
+
+
+def phased():
+    """The same without the ball, between mirrors, with stress in two halves."""
+    case = meeting()
+    del case["bodies"]["ball"]
+    case["method"] |= {"stress": "average", "wall": "mirror"}
+    return case
