@@ -67,6 +67,12 @@ def fallback(case: Any) -> str:
     """
     bodies, method = case.bodies, case.method
     current = [name for name, body in bodies.items() if body.configuration != "initial"]
+    begun = [name for name in bodies if name not in current]
+    if current and begun and not method.in_cell:
+        return (
+            f"'{begun[0]}', in the initial configuration, has weights of cells, by whose surfaces "
+            f"it meets others: {method.name} is for bodies in the current one"
+        )
     cut = [
         name
         for name, body in bodies.items()

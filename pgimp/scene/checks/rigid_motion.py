@@ -85,8 +85,8 @@ def motion_warnings(scenes: Sequence[Scene]) -> list[Warned]:
 def known_in_part(scene: Scene) -> Iterator[str]:
     """Yield a note on each rigid body whose surface is known only so far beyond the domain.
 
-    A run ends where a body in the initial configuration comes farther, see
-    `pgimp.solver.contact.lagrangian.known`.
+    That is as far as the domain is long, see `pgimp.solver.contact.surfaces.table`. Bodies in the
+    initial configuration may come farther.
 
     Parameters
     ----------
@@ -101,8 +101,9 @@ def known_in_part(scene: Scene) -> Iterator[str]:
     closed = np.asarray(scene.domain.periods) > 0.0
     domain = np.array([case.grid.origin, case.grid.corner])
     times = np.linspace(0.0, case.time.end, _INSTANTS)
-    for number, (field, ends) in enumerate(zip(every.fields, every.ends, strict=True)):
-        known = np.array([field.low, field.low + field.spacing * (field.shape - 1)])[:, :D]
+    size = domain[1] - domain[0]
+    known = np.array([domain[0] - size, domain[1] + size])
+    for number, ends in enumerate(every.ends):
         short = np.array([ends[0] < known[0], ends[1] > known[1]]) & ~closed
         if not (short.any() and (initial & (pairs.entry[:first, first + number] != 0)).any()):
             continue
@@ -115,8 +116,8 @@ def known_in_part(scene: Scene) -> Iterator[str]:
         yield (
             f"bodies.{every.names[number]}.region: it is large, and known only to "
             f"{beyond[side, axis]:.3g} beyond the domain at {'xyz'[axis]}-{('min', 'max')[side]}; "
-            "where a body in the initial configuration comes farther the run ends: a larger grid "
-            "costs nothing where it is empty, or end the region where nothing comes"
+            "a body in the initial configuration that comes farther does not meet it: a larger "
+            "grid costs nothing where it is empty, or end the region where nothing comes"
         )
 
 

@@ -37,6 +37,9 @@ def initial(rng, scene):
     ] or default  # fmt: skip
     if laws and len(case["bodies"]) > 1:
         case["contact"] = laws
+    if (meets or laws) and case["method"]["shape"].startswith(("fuzzy", "bspline")):
+        case["method"]["shape"] = "gimp"  # what meets is no wider than cells
+        case["method"].pop("size", None)
     case["method"].pop("volume", None)
     for face, kind in case["boundaries"].items():
         if not meets and (kind == "separating" or "separating" in kind):

@@ -4,7 +4,7 @@ from studies.harness import Kept, options_of, origin, out, put, table
 from studies.patches import edges, fast, hard, impacts, pressed, slopes, speed
 
 OFFSETS = ((0.0, 0.0), (0.5, 0.5), (0.25, 0.0), (0.13, 0.21), (0.37, 0.78))
-STILL, FRAMES = (0.0, 0.0), ((0.0, 0.0), (0.02, 0.0), (0.2, 0.05))
+STILL, FRAMES = (0.0, 0.0), ((0.0, 0.0), (0.02, 0.0), (0.05, 0.02), (0.2, 0.05))
 LATTICES = ((0.37, 0.21), (0.2, 0.6), (0.97, 0.02))
 SIDES = ((0.0, 0.0), (0.5, 0.5), (0.25, 0.0), (0.13, 0.21), (-0.13, 0.21))
 WHAT = ("bars", "disks", "oblique", "blocks", "hertz", "slopes", "beam", "hard", "speed")
@@ -17,11 +17,17 @@ def spread(values):
 
 def bars():
     for n in (20, 40, 80):
-        found = [impacts.bars(n, STILL, at)["restitution"] for at in OFFSETS[:4]]
+        found = [impacts.bars(n, STILL, at) for at in OFFSETS[:4]]
+        rebounds = [each["restitution"] for each in found]
         moving = [impacts.bars(n, V, OFFSETS[3])["restitution"] for V in FRAMES]
-        yield (f"bars of {n} cells, at four places in the cell: rebound", "1", spread(found))
+        averaged = [impacts.bars(n, V, OFFSETS[3], mass="averaged") for V in FRAMES[::3]]
+        most = max(each["most"] for each in found + averaged)
+        yield (f"bars of {n} cells, at four places in the cell: rebound", "1", spread(rebounds))
         yield ("the same, all moving at 0 to .2 of the speed of waves: spread", "0",
                f"{max(moving) - min(moving):.0e}")  # fmt: skip
+        yield ("the same, averaged mass, moving at 0 and .2: rebound", "1",
+               spread([each["restitution"] for each in averaged]))  # fmt: skip
+        yield ("all these: greatest energy over the first", "1", f"{most:.6f}")
 
 
 def disks():
@@ -33,8 +39,9 @@ def disks():
                spread(rebounds))  # fmt: skip
         yield ("the same, all moving at 0 to .2 of the speed of waves: spread", "0",
                f"{max(moving) - min(moving):.0e}")  # fmt: skip
-        yield ("the same: momentum and angular momentum that change", "0",
-               f"{max(max(each['momentum'], each['spin']) for each in found):.0e}")  # fmt: skip
+        yield ("the same: momentum and angular momentum that change; greatest energy", "0, 1",
+               f"{max(max(each['momentum'], each['spin']) for each in found):.0e}, "
+               f"{max(each['most'] for each in found):.6f}")  # fmt: skip
 
 
 def oblique():
@@ -59,13 +66,15 @@ def blocks():
 
 
 def hertz():
-    for R in (16, 32):
-        found = pressed.line(R)
+    for words, found in (
+        *(("disk", pressed.line(R)) for R in (16, 32)),
+        ("ball, in 3D,", pressed.sphere()),
+    ):
         yield (
-            f"disk pressed on a plane, {found['half width']:.1f} cells in the half-width: "
-            "greatest pressure of a patch over Hertz's",
+            f"{words} pressed on a plane, {found['half width']:.1f} cells in the half-width: "
+            "greatest pressure of a patch over Hertz's, and recovered",
             "1",
-            f"{found['greatest']:.3f}",
+            f"{found['greatest']:.3f}, {found['recovered']:.3f}",
         )
 
 
@@ -82,6 +91,8 @@ def beam():
     yield ("a beam on the edge of a rigid block, at four places in the cell: deflection", "1",
            spread([each[0] for each in found]))  # fmt: skip
     yield ("the same: sideways over vertical force", "0", f"{max(each[1] for each in found):.0e}")
+    yield ("a round plate on a rigid ring, at four places in the cell: deflection", "1",
+           spread([edges.plate(edge) for edge in (38.0, 38.25, 38.5, 38.75)]))  # fmt: skip
 
 
 def scenes():
@@ -101,6 +112,9 @@ def scenes():
         found = hard.plates(thick)
         yield (f"plates {thick:g} cells thick meet flat, askew, edge on: depth, cells", "0",
                ", ".join(f"{one['depth']:.4f}" for one in found.values()))  # fmt: skip
+    one = hard.cube_on_its_corner()
+    yield ("a cube stands on its corner on a rigid floor, in 3D: depth, cells, and force over "
+           "weight", "0, 1", f"{one['depth']:.3f}, {one['force over weight']:.4f}")  # fmt: skip
     one = hard.peg()
     yield ("a peg pushed askew through a slot: depth, cells", "0", f"{one['depth']:.4f}")
     one = hard.pile()
@@ -137,9 +151,9 @@ def main():
         kept["origin"] = origin()
         for row in kept[name]:
             print(*row, sep=" | ", flush=True)
-    if not all(kept.get(name) for name in WHAT):
-        return  # the page has all of them
-    rows = [row for name in WHAT for row in kept[name]]
+    if not all(kept.get(name) for name in WHAT[:-1]):
+        return  # the page has all of them; the times of steps, where they have been measured
+    rows = [row for name in WHAT for row in kept.get(name) or ()]
     note = f"Measured by `scripts/patches` on one core of {kept['origin']}."
     put({"surface-contact": table(("test", "exact", "measured"), rows, note)})
 

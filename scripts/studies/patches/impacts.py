@@ -24,9 +24,11 @@ def energy(line):
 def parted(sim, names, quiet, each=None):
     """Advance until bodies have been apart for a time; lines before and after, and time in touch.
 
+    The third of what is returned also has the greatest energy at a step's end, over the first.
     `each` is called after every step.
     """
-    first = sim.diagnostics()
+    first = before = sim.diagnostics()
+    most = 0.0
     column = f"contact.{'+'.join(names)}.normal-impulse"
     met = last = None
     pushed = 0.0
@@ -35,17 +37,19 @@ def parted(sim, names, quiet, each=None):
         if each:
             each(sim)
         line = sim.diagnostics()
+        most = max(most, energy(before) + 0.5 * (line["kinetic-energy"] - before["kinetic-energy"]))
+        before = line
         if line[column] != pushed:
             pushed, last = line[column], line["time"]
             met = last if met is None else met
         elif met is not None and line["time"] - last > quiet:
             break
-    return first, line, (met, last)
+    return first, line, (met, last, most)
 
 
 def rebound(sim, names, masses, way, quiet, each=None):
     """Relative speed after over before, change of momenta and energy over what they are."""
-    first, last, _ = parted(sim, names, quiet, each)
+    first, last, (_, _, most) = parted(sim, names, quiet, each)
     D = sim.scene.dimension
 
     def velocity(line, body):
@@ -61,10 +65,10 @@ def rebound(sim, names, masses, way, quiet, each=None):
     if D == 2:
         turn = abs(last["angular-momentum-z"] - first["angular-momentum-z"]) / scale
     return {"restitution": -(after @ way) / speed, "momentum": momentum, "lost": lost,
-            "spin": turn}  # fmt: skip
+            "spin": turn, "most": most / energy(first)}  # fmt: skip
 
 
-def bars(cells, V=(0.0, 0.0), offset=(0.37, 0.21), high=4.0, poisson=0.0):
+def bars(cells, V=(0.0, 0.0), offset=(0.37, 0.21), high=4.0, poisson=0.0, mass="lumped"):
     """Bars of so many cells, strips on which nothing acts sideways, meet at .02 of c."""
     v, gap, low = 0.01, 0.5, 2.0
     y = np.array([0.23, 0.71])
@@ -79,10 +83,11 @@ def bars(cells, V=(0.0, 0.0), offset=(0.37, 0.21), high=4.0, poisson=0.0):
     bodies = {
         "a": exact(a, [c * (V[0] + v), c * V[1]]), "b": exact(b, [c * (V[0] - v), c * V[1]])
     }  # fmt: skip
-    sim = core(case_of(np.ceil(size), 1.0, {"solid": solid}, bodies, end,
-                       contact=[{"bodies": ["a", "b"]}]))  # fmt: skip
-    mass = cells * high
-    return rebound(sim, ("a", "b"), {"a": mass, "b": mass}, np.array([1.0, 0.0]), 0.5 * cells / c)
+    case = case_of(np.ceil(size), 1.0, {"solid": solid}, bodies, end,
+                   contact=[{"bodies": ["a", "b"]}])  # fmt: skip
+    case["method"] |= {"mass": mass}
+    masses = dict.fromkeys(("a", "b"), cells * high)
+    return rebound(core(case), ("a", "b"), masses, np.array([1.0, 0.0]), 0.5 * cells / c)
 
 
 def disks(R, V=(0.0, 0.0), offset=(0.0, 0.0, 0.37, 0.21), v=0.01, friction=0.0):

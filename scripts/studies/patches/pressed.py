@@ -6,7 +6,9 @@ import numpy as np
 from studies.patches.impacts import SOLID, YOUNG, C, exact
 from studies.scenes import ball, box, case_of, core
 
+from pgimp.jit.bound import Bound
 from pgimp.kernels.data.motion import DISPLACEMENT
+from pgimp.solver.contact.surfaces.smooth import Smoothed, smooth
 
 
 def shifted(sim, beyond, way):
@@ -77,23 +79,42 @@ def patch_test(D, offset, angle, strain=2e-3, side=4.0, end=200.0):
     return along.min(), along.max(), sqrt(share @ (along - 1.0) ** 2)
 
 
-def pressures(sim):
-    """Patches under pressure: centroid in the initial state, area, force; of those that push."""
+def pressures(sim, body=0):
+    """Patches of a body: centroids in the initial state, areas, forces, and these recovered.
+
+    What is recovered has the same sum and first moment, as in frames of surfaces.
+    """
     contact = sim.rank.contact
-    surface = contact._table.surface
-    kept = contact._warm_start._kept
-    patch = kept["vertex"][:, 0]
-    area = np.bincount(surface.patch, surface.area)
-    body = np.zeros(len(area), np.int64)
-    body[surface.patch] = surface.body
-    middle = np.stack(
-        [np.bincount(surface.patch, surface.area * surface.x[:, d]) / area for d in range(3)], 1
+    surface, kept = contact._table.surface, contact._warm_start._kept
+    pushed = np.zeros(1 + surface.patch.max())
+    np.add.at(pushed, kept["vertex"][:, 0], np.sqrt((kept["force"] ** 2).sum(axis=1)))
+    own = surface.body == body
+    first, of = np.unique(surface.patch[own], return_inverse=True)
+    area = np.bincount(of, surface.area[own])
+    middle, normal = (
+        np.stack([np.bincount(of, surface.area[own] * v) / area for v in each[own].T], axis=1)
+        for each in (surface.x, surface.normal)
     )
-    return body[patch], middle[patch], area[patch], np.sqrt((kept["force"] ** 2).sum(axis=1))
+    normal /= np.sqrt((normal**2).sum(axis=1))[:, None]
+    facets = Smoothed(middle, normal, area, np.zeros(len(area), np.int64))
+    force = pushed[first]
+    smoothed = smooth(Bound(), facets, force[:, None], 1.0, sim.scene.dimension)[:, 0]
+    return middle, area, force, smoothed
+
+
+def pressed(bodies, size, D, rate, g, end, **more):
+    """A solver at rest, after weight along the last axis has come slowly."""
+    weight = [[0.0, [0.0] * D], [12.0 / rate, [0.0] * (D - 1) + [-g]]]
+    sim = core(case_of(np.ceil(size), 1.0, {"solid": SOLID}, bodies, end,
+                       gravity={"table": weight}, damping={"mass": 0.5 * rate},
+                       contact=[{"bodies": [*bodies]}], **more))  # fmt: skip
+    while not sim.finished:
+        sim.advance()
+    return sim
 
 
 def line(R, load=0.02, waves=60.0):
-    """Greatest pressure over Hertz's, of a disk on a rigid plane under its weight, and more.
+    """Pressures over Hertz's greatest, of a disk on a rigid plane under its weight, and more.
 
     Also the half width in cells, the force over the weight, and the rms deviation from his profile.
     """
@@ -107,27 +128,44 @@ def line(R, load=0.02, waves=60.0):
         "disk": exact(ball(centre, R)),
         "floor": {"rigid": {}, "region": box([1.3, floor - 3.0], [2.0 * R + 7.7, floor])},
     }
-    gravity = {"table": [[0.0, [0.0, 0.0]], [12.0 / rate, [0.0, -g]]]}
-    size = np.ceil([2.0 * R + 9.0, 2.0 * R + 8.0])
-    sim = core(case_of(size, 1.0, {"solid": SOLID}, bodies, waves / rate, gravity=gravity,
-                       damping={"mass": 0.5 * rate},
-                       contact=[{"bodies": ["disk", "floor"]}]))  # fmt: skip
-    while not sim.finished:
-        sim.advance()
-    body, middle, area, pushed = pressures(sim)
+    sim = pressed(bodies, [2.0 * R + 9.0, 2.0 * R + 8.0], 2, rate, g, waves / rate)
+    middle, area, pushed, smoothed = pressures(sim)
     half = sqrt(4.0 * force * R / pi / stiff)
     top = 2.0 * force / pi / half
-    own = body == 0
-    x, found = middle[own, 0] - centre[0], pushed[own] / area[own]
+    x, found = middle[:, 0] - centre[0], pushed / area
     t = (np.arange(101) + 0.5) / 101.0 - 0.5
     hertz = top * np.array([
         np.sqrt(np.maximum(0.0, 1.0 - ((c + w * t) / half) ** 2)).mean()
-        for c, w in zip(x, area[own], strict=True)
+        for c, w in zip(x, area, strict=True)
     ])  # fmt: skip
     on = found > 0.0
     return {
         "half width": half,
         "force": pushed.sum() / force,
         "greatest": found.max(initial=0.0) / top,
+        "recovered": (smoothed / area).max(initial=0.0) / top,
         "rms": sqrt(((found - hertz)[on] ** 2).mean()) / top if on.any() else np.nan,
+    }
+
+
+def sphere(R=12.0, half=2.5, waves=40.0):
+    """As `line`, of a quarter of a ball between two planes of symmetry."""
+    stiff, rate = YOUNG / (1.0 - 0.3**2), C / R
+    force = 4.0 * stiff * half**3 / (3.0 * R)
+    high = R + 4.21
+    within = box([0.0, 0.0, 0.0], [R + 4.0] * 2 + [2.0 * R + 8.0])
+    bodies = {
+        "ball": exact({"intersection": [ball([0.0, 0.0, high], R), within]}),
+        "floor": {"rigid": {}, "region": box([-9.0, -9.0, 1.0], [R, R, high - R - 1e-3])},
+    }
+    sim = pressed(bodies, [R + 4.0, R + 4.0, 2.0 * R + 8.0], 3, rate,
+                  force / (4.0 / 3.0 * pi * R**3), waves / rate,
+                  boundaries={"x-min": "slip", "y-min": "slip"})  # fmt: skip
+    _, area, pushed, smoothed = pressures(sim)
+    top = 1.5 * force / (pi * half * half)
+    return {
+        "half width": half,
+        "force": 4.0 * pushed.sum() / force,
+        "greatest": (pushed / area).max(initial=0.0) / top,
+        "recovered": (smoothed / area).max(initial=0.0) / top,
     }

@@ -199,6 +199,6 @@ meetings_by_surfaces = Feature(
     lambda bodies, rigid_bodies, boundaries, contact: (
         place
         for place in _meetings(bodies, rigid_bodies, boundaries, contact)
-        if len(some_initial(bodies)) == len(bodies)
+        if len(some_initial(bodies)) == len(bodies) > 0
     ),
 )

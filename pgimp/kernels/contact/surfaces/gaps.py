@@ -15,6 +15,7 @@ from pgimp.kernels.contact.surfaces.levels import end_of_patch, law_of
 from pgimp.kernels.contact.surfaces.motion import cofactors, gradient, set_polynomial, turned_normal
 from pgimp.kernels.contact.surfaces.nearest import approach
 from pgimp.kernels.contact.surfaces.pressed import facing_part
+from pgimp.kernels.contact.surfaces.search import STEEP
 from pgimp.kernels.contact.surfaces.spread import (
     keep_pieces,
     mean_position,
@@ -161,7 +162,8 @@ def _find_gap(frame, rigid_bodies, surface, moved, scratch, near, used):
         near.offset[d] = near.edges[0, d] = near.edges[1, d] = 0.0
         same += surface.turned[s, d] * near.normal[d]
     near.pieces, near.facing = 0, facing_part(same)
-    if same > FACES:
+    second = near.body < surface.body[s]  # those of the first body look for its faces
+    if same > FACES or (second and same < STEEP):
         near.gap = inf
     if c >= 0 and near.gap < _SPREADS * least:
         used = _spread(frame, surface, (cells, c, u), x, scratch, near, used)

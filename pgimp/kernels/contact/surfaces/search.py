@@ -9,7 +9,7 @@ from pgimp.kernels.data.motion import DISPLACEMENT
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.once.neighbours import first_not_below
 
-#: Cosine below which facets that others look for leave it to these.
+#: Cosine below which facets of a second body leave it to the first one's to look for them.
 STEEP = -0.8
 
 

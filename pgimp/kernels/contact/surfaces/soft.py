@@ -12,7 +12,8 @@ and areas a_i of patches that bear, it is
 Even pressure has none. A + C = (1 - c) A + c S: the sweeps have vertices that are heavier, and a
 compliance of each pair's own. So eigenvalues of A + C differ by a factor of about 1/c. The sum has
 all patches that may bear in the step, so that C is never below zero. Patches of a second body at
-its tips have no compliance, and none is felt there: those of the first may bear already.
+its tips have c A_ii, and what is between them and others is not felt there. So where those of the
+first body bear already, they do not.
 
 Along the normal C J is a gap: a stiff spring. Across it the change of J since the last step counts,
 so that friction holds what it bears. Normals of patches differ: what C makes of impulses along them
@@ -76,7 +77,8 @@ def _sum_areas(contact_pairs, coupling, areas, sums):
 def _set_soft(coupling, solved, r, area, sums, normal):
     """Set the compliance c S of a row of a patch, and its whole response.
 
-    `area` has the sign of the side; 0 of a patch that does not count, see `_set_areas`.
+    `area` has the sign of the side; 0 of a patch that does not count, see `_set_areas`: it has a
+    spring of its own, beside what its own response takes.
     """
     whole, own = 0.0, 0.0
     for d in range(3):
@@ -90,7 +92,7 @@ def _set_soft(coupling, solved, r, area, sums, normal):
         whole = max(whole / area, own)
     for d in range(3):
         answer = coupling.answer[r, d]
-        least = whole if area != 0.0 else answer
+        least = whole if area != 0.0 else 2.0 * answer
         solved.soft[r, d] = SOFT * least if answer > 0.0 else 0.0
         coupling.answer[r, d] = (1.0 - SOFT) * answer + solved.soft[r, d]
 
@@ -136,6 +138,18 @@ def _grown(one, normal):
     if not force > 0.0:
         return 1.0
     return 2.0 if change == 0.0 else 1.0 + min(max(change / (EXTRAPOLATION * force), -1.0), 1.0)
+
+
+@inner_kernel
+def _own_depth(solved, end, row, one, dt):
+    """Depth over the step that a patch's own spring keeps, see `_set_soft`."""
+    begins, found = 0.25 * dt * max(_along(one.force, row.normal), 0.0), 0.0
+    for side in range(2):
+        r = end.rows[side]
+        if r >= 0:
+            for d in range(3):
+                found += begins * solved.soft[r, d] * row.normal[d] ** 2
+    return found
 
 
 @inner_kernel
@@ -229,6 +243,8 @@ def soften(contact, kept, contact_pairs, coupling, solved, sizes, scratch):
         v = _velocity(contact, contact_pairs, k, coupling, solved)
         deep = _along(before[k], row.normal) - _along(v, row.normal)
         part = _grown(kept[one], row.normal) if one >= 0 else 1.0
+        if one >= 0 and areas[k] == 0.0:
+            row.gap_rate += _own_depth(solved, contact_pairs.ends[k], row, kept[one], dt)
         row.gap_rate = max(row.gap_rate, -parts / dt - part * max(deep, 0.0))
         if areas[k] == 0.0 or row.gap_rate == 0.0:  # no gap corrects it
             row.gap_rate -= deep

@@ -93,6 +93,16 @@ def _add_polygon(polygon, count, whole, first, hats):
 
 
 @inner_kernel
+def _reaches(place, edges, d):
+    """Whether a facet reaches into the cells below and above along an axis.
+
+    Only then are there pieces in these, and is what is beyond the plane cut off from others.
+    """
+    reach = abs(edges[0, d]) + abs(edges[1, d])
+    return place[d] - reach < -_REACHES, place[d] + reach > 1.0 + _REACHES
+
+
+@inner_kernel
 def _set_polygon(place, edges, ways, polygon):
     """Set the part of a parallelogram in a cell beside, or in the cell; the number of corners."""
     count = 4
@@ -101,9 +111,10 @@ def _set_polygon(place, edges, ways, polygon):
         for d in range(3):
             polygon[0, n, d] = place[d] + s * edges[0, d] + r * edges[1, d]
     for d in range(3):
-        if ways[d] >= 0.0:
+        below, above = _reaches(place, edges, d)
+        if ways[d] > 0.0 or (ways[d] == 0.0 and below):
             count = _clip(polygon, count, d, 1.0 if ways[d] > 0.0 else 0.0, 1.0)
-        if ways[d] <= 0.0:
+        if ways[d] < 0.0 or (ways[d] == 0.0 and above):
             count = _clip(polygon, count, d, 0.0 if ways[d] < 0.0 else 1.0, -1.0)
     return count
 
@@ -113,16 +124,16 @@ def _set_segment(place, edges, ways, part):
     """Set place and half the length of the part of a line in a cell beside; its share."""
     low, high = -1.0, 1.0
     for d in range(2):
-        e = edges[0, d]
-        if abs(e) < _REACHES:
+        e, (below, above) = edges[0, d], _reaches(place, edges, d)
+        if e == 0.0:
             continue
-        if ways[d] >= 0.0:
+        if ways[d] > 0.0 or (ways[d] == 0.0 and below):
             t = ((1.0 if ways[d] > 0.0 else 0.0) - place[d]) / e
             if e > 0.0:
                 low = max(low, t)
             else:
                 high = min(high, t)
-        if ways[d] <= 0.0:
+        if ways[d] < 0.0 or (ways[d] == 0.0 and above):
             t = ((0.0 if ways[d] < 0.0 else 1.0) - place[d]) / e
             if e > 0.0:
                 high = min(high, t)
@@ -141,12 +152,12 @@ def _meets(D, place, edges, d):
     if d >= D:
         return 2
     reach, found = abs(edges[0, d]) + abs(edges[1, d]), 0
-    low, high = place[d] - reach, place[d] + reach
-    if low < -_REACHES:
+    below, above = _reaches(place, edges, d)
+    if below:
         found |= 1
-    if low <= 1.0 and high >= 0.0:
+    if not (below and place[d] + reach <= 0.0) and not (above and place[d] - reach >= 1.0):
         found |= 2
-    if high > 1.0 + _REACHES:
+    if above:
         found |= 4
     return found
 
@@ -161,10 +172,6 @@ def _find_pieces(D, cells, c, place, edges, pieces):
     inside, whole, size, found = True, 0.0, 0.0, 0
     for d in range(D):
         reach = abs(edges[0, d]) + abs(edges[1, d]) - _REACHES
-        if reach < 0.0:  # in a plane of the grid, but for rounding, it is in one cell all the same
-            edges[0, d] = edges[1, d] = 0.0
-            if place[d] > -_REACHES and place[d] < 1.0 + _REACHES:
-                place[d] = min(max(place[d], 0.0), 1.0)
         inside = inside and place[d] >= reach and place[d] <= 1.0 - reach
     for d in range(3):
         e, f = (d + 1) % 3, (d + 2) % 3

@@ -82,11 +82,12 @@ def test_a_facet_in_a_plane_of_the_grid_is_in_the_cells_beside_it(D):
     """Within rounding of the plane, across the end of a cell; none of it is lost."""
     cells, pieces, every, found = cells_of(D), pieces_of(D), no_facets(1), np.zeros(1, np.int64)
     near = every[0]
-    for at, off in product((0.0, 1.0), (0.0, -5e-10, 5e-10, -2e-9)):
+    offs, tilts = (0.0, -5e-10, 5e-10, 1.3e-9, -2e-9), (4e-11, 1.6e-9)
+    for at, off, tilt in product((0.0, 1.0), offs, tilts):
         near["place"], near["edges"], near["offset"] = 0.0, 0.0, 0.0
         near["place"][:D] = [*[0.95] * (D - 1), at + off]
         near["edges"][: D - 1, : D - 1] = 0.125 * np.eye(D - 1)
-        near["edges"][0, D - 1] = 4e-11
+        near["edges"][0, D - 1] = tilt
         place = near["place"][:D].copy()
         _spread(D, cells, (3**D - 1) // 2, every, pieces, found)
         weights = np.zeros(4**D)
