@@ -17,7 +17,7 @@ from pgimp.solver.lagrangian.mean_dilatation import mean_dilatation_of
 from pgimp.solver.lagrangian.slaves import slaves_of
 from pgimp.solver.loads.grips import grips_of
 from pgimp.solver.loads.surface_kinematics import surface_kinematics_of
-from pgimp.solver.phases import phases_of
+from pgimp.solver.phases.orders import phases_of
 from pgimp.solver.sources.inflow import inflow_of
 from pgimp.solver.sources.sinks import sinks_of
 from pgimp.solver.vertices import StepPart

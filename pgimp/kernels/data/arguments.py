@@ -91,7 +91,7 @@ class Field(NamedTuple):
 class Phase(NamedTuple):
     """What a step of another order of phases has done before the particles move.
 
-    See `pgimp.solver.phases`.
+    See `pgimp.solver.phases.orders`.
     """
 
     dt: float  #: Time of the strain that is left.

@@ -1,8 +1,8 @@
 """New velocities of particles, mapped to the vertices again: momenta, as sums of their own.
 
-For other orders of phases than `stress: last`, see `pgimp.solver.phases`. While the particles of a
-layer are summed, each gathers its acceleration, and gives the vertices its momentum after it. The
-velocity gradient that it carries (`affine`) is the new one too, at the step's beginning.
+For orders of phases, see `pgimp.solver.phases.orders`. While the particles of a layer are summed,
+each gathers its acceleration, and gives the vertices its momentum after it. The velocity gradient
+that it carries (`affine`) is the new one too, at the step's beginning.
 """
 
 from typing import Any, NamedTuple

@@ -2,7 +2,7 @@
 
 It is the strain of the move that has just been, by gradients at the positions after it.
 
-For other orders of phases than `stress: last`, see `pgimp.solver.phases`.
+For other orders of phases than `stress: last`, see `pgimp.solver.phases.orders`.
 """
 
 from pgimp.jit.algebra import determinant

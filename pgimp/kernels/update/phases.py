@@ -1,4 +1,4 @@
-"""Strain of a step in two parts, for orders of phases; see `pgimp.solver.phases`."""
+"""Strain of a step in two parts, for orders of phases; see `pgimp.solver.phases.orders`."""
 
 from typing import Any, NamedTuple
 

@@ -1,0 +1,1 @@
+"""Orders of phases in a step: when particles strain."""
