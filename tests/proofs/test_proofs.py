@@ -177,12 +177,13 @@ import sys
 sys.path.insert(0, sys.argv[1])
 from proofs import bounds
 import numpy as np
+from pgimp.kernels.contact.lagrangian.coupling import Coupling
 from pgimp.kernels.contact.lagrangian.pairs import ContactPairs
 from pgimp.kernels.contact.lagrangian.warm_start import KEPT_FORCE, keep_impulses
 
 pairs, none = ContactPairs.empty(1), np.empty(0, KEPT_FORCE)
 pairs.states["normal_impulse"] = pairs.states["normal"] = 1.0
-keep_impulses(pairs, 1.0, none, none)
+keep_impulses(pairs, Coupling.empty(2, 1), 1.0, none, none)
 """
 
 

@@ -14,10 +14,11 @@ from pgimp.kernels.contact.law import LEAST_GIVEN
 from pgimp.physics.contact.base import TIED
 
 #: The force of a pair in a step, and the change that it is to have until the next one. A pair is
-#: known by its vertex and its bodies.
+#: known by its vertex and its bodies. And the acceleration that pressure gives both ends there.
 KEPT_FORCE = structure(
-    ("vertex", "i8", 3), ("bodies", "i8", 2), ("force", "f8", 3), ("change", "f8", 3)
-)
+    ("vertex", "i8", 3), ("bodies", "i8", 2), ("force", "f8", 3), ("change", "f8", 3),
+    ("acceleration", "f8"),
+)  # fmt: skip
 
 #: Part of the last change of a force that is added to it. With 1, changes of impulses that move
 #: nothing, where rows of B depend on each other, would go on for ever.
@@ -48,6 +49,20 @@ def find_kept(kept, n, end):
             return n, m
         m += 1
     return n, -1
+
+
+@inner_kernel
+def kept_acceleration(kept, end):
+    """Acceleration apart that pressure gave the ends of a pair in the last step, 0 without any."""
+    low, high = 0, len(kept)
+    while low < high:
+        middle = (low + high) // 2
+        if _order(kept[middle].vertex, end.vertex) < 0:
+            low = middle + 1
+        else:
+            high = middle
+    _, m = find_kept(kept, low, end)
+    return kept[m].acceleration if m >= 0 else 0.0
 
 
 @inner_kernel
@@ -108,11 +123,13 @@ def begin_impulses(contact, kept, contact_pairs, coupling, solved, dt):
 
 
 @kernel
-def keep_impulses(contact_pairs, dt, before, kept):
+def keep_impulses(contact_pairs, coupling, dt, before, kept):
     """Keep the impulses of a step as forces; returns how many there are.
 
     Parameters
     ----------
+    coupling : Coupling
+        The rows of the pairs.
     before : (n,) KEPT_FORCE
         Those of the step before.
     kept : (pairs,) KEPT_FORCE
@@ -132,5 +149,12 @@ def keep_impulses(contact_pairs, dt, before, kept):
             own.vertex[d] = end.vertex[d]
             own.force[d] = J[d] / dt
             own.change[d] = EXTRAPOLATION * (own.force[d] - before[m].force[d]) if m >= 0 else 0.0
+        own.acceleration = 0.0
+        for side in range(2):
+            r = end.rows[side]
+            for d in range(3):
+                if r >= 0:
+                    along = max(row.normal_impulse, 0.0) * row.normal[d] ** 2
+                    own.acceleration += along * coupling.answer[r, d] / dt
         found += 1
     return found

@@ -7,6 +7,10 @@ The gap G of a patch is a smooth least one of its facets' gaps g_k. A level s so
 A_k are the facets' areas, A is the area of those that face the other body, and d a small length. G
 is the gap itself where a patch and what it meets are parallel. Its derivatives are weights,
 W_k ~ A_k max(0, s - g_k), which add up to 1.
+
+Where a patch tilts, pressure p moves towards what is deepest: a spring against it, of p/d over an
+area. Weights of a step are those at its begin, so that the spring is explicit. In a grid of cells h
+it has omega^2 = 2 p/(3 rho h d), so that d has to grow with p/(rho h) dt^2.
 """
 
 from math import inf, sqrt
@@ -14,8 +18,8 @@ from math import inf, sqrt
 from pgimp.jit.kernel import inner_kernel
 from pgimp.physics.contact.base import TIED
 
-#: The length d in cells.
-FADES = 0.002
+#: The least length d in cells, and over the way that pressure alone gives a patch in a step.
+FADES, FOLLOWS = 0.002, 1.5
 
 #: Iterations for the level, at most, and the change over d that ends them.
 _NEWTON, _EXACT = 40, 1e-12

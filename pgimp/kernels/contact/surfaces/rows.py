@@ -18,9 +18,11 @@ from math import inf, sqrt
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.kernels.contact.data import clear_pair
 from pgimp.kernels.contact.lagrangian.coupling import set_answer
+from pgimp.kernels.contact.lagrangian.warm_start import kept_acceleration
 from pgimp.kernels.contact.surfaces.held import release_across
 from pgimp.kernels.contact.surfaces.levels import (
     FADES,
+    FOLLOWS,
     NEAR,
     end_of_patch,
     find_sides,
@@ -102,9 +104,9 @@ def _add_row(frame, surface, cells, group, own, at, scratch, coupling):
 def _set_pair(contact, surface, group, side, law, size, pair):
     """Set the state of a pair, given its facets, and their weights; returns whether it is one.
 
-    `group` is as in `_add_row`; `size` are the least side of a cell, and the step.
+    `group` is as in `_add_row`; `size` are the least side of a cell, the step, and kept forces.
     """
-    (every, first, last), (cell, dt), (end, row, rigid) = group, size, pair
+    (every, first, last), (cell, dt, kept), (end, row, rigid) = group, size, pair
     pairs, a, b = contact.pairs, surface.body[every[first].facet], every[first].body
     entry, swapped, near = law
     tied, least = pairs.kind[entry - 1] == TIED, inf
@@ -115,15 +117,15 @@ def _set_pair(contact, surface, group, side, law, size, pair):
     if not least < near:
         return False
     normal, shear, reach = pairs.adhesion[entry - 1]
-    above, glued = NEAR * cell, 0.0
-    if not tied:
-        above = level(surface, every, first, last, side, least, FADES * cell)
+    glued = 0.0
     clear_pair(row)
     end.law = entry
     end.bodies[0], end.bodies[1] = (b, a) if swapped else (a, b)
     end.vertex[0], end.vertex[1] = surface.patch[every[first].facet], b
     end.vertex[2] = 2 * side  # none is beside another one
-    whole, gap, sign = 0.0, above - FADES * cell, 1.0 if swapped else -1.0
+    width = max(FADES * cell, FOLLOWS * dt * dt * kept_acceleration(kept, end))
+    above = NEAR * cell if tied else level(surface, every, first, last, side, least, width)
+    whole, gap, sign = 0.0, above - width, 1.0 if swapped else -1.0
     for k in range(3):
         for d in range(3):
             rigid[k, d] = 0.0
@@ -184,8 +186,9 @@ def find_patch_pairs(
         Laws and rigid bodies.
     every : (n,) NEAR_FACET
         Facets with their gaps, by patch and other body. Sides and weights are set here.
-    step : (float, (bodies,) float64)
-        Length of the step, and the ways of the fastest vertices in it, see `law_of`.
+    step : (float, (bodies,) float64, (n,) KEPT_FORCE)
+        Length of the step, the ways of the fastest vertices in it, see `law_of`, and forces of
+        the last step, see `begin_impulses`.
     scratch : ((m, NUMBERS) float64, (2, m) int64, (2^D,) float64, pieces, kept)
         The records of `ReferenceVertices`, and scratch; the last two as of `scratch_of`.
     found : (ContactPairs, Coupling)
@@ -196,7 +199,7 @@ def find_patch_pairs(
     tuple of 3 int
         Numbers of pairs, rows and entries.
     """
-    D, (numbers, seen, sums, _, _), (dt, travels) = len(frame.cell), scratch, step
+    D, (numbers, seen, sums, _, _), (dt, travels, kept) = len(frame.cell), scratch, step
     contact_pairs, coupling = found
     cell = frame.cell[0]
     for d in range(D):
@@ -218,7 +221,7 @@ def find_patch_pairs(
             end, rigid = contact_pairs.ends[pairs], contact_pairs.rigid[pairs]
             row = contact_pairs.states[pairs]
             group, pair = (every, first, last), (end, row, rigid)
-            if not _set_pair(contact, surface, group, side, law, (cell, dt), pair):
+            if not _set_pair(contact, surface, group, side, law, (cell, dt, kept), pair):
                 continue
             for a in range(2):
                 body = end.bodies[a]

@@ -14,7 +14,7 @@ from pgimp.kernels.contact.lagrangian.rows import Solved
 from pgimp.kernels.contact.lagrangian.warm_start import KEPT_FORCE, begin_impulses, keep_impulses
 from pgimp.mpi.communicator import Communicator
 
-#: Numbers of a kept force: vertex, bodies, force and its change.
+#: Numbers of a kept force: vertex, bodies, force, its change, and an acceleration.
 WIDTH = KEPT_FORCE.itemsize // 8
 
 
@@ -50,12 +50,12 @@ class KeptForces:
         """Set and apply the impulses that the last steps predict, on a rank that solves."""
         self.call(begin_impulses, contact, self._kept, pairs, coupling, solved, dt)
 
-    def keep(self, pairs: ContactPairs, dt: float) -> None:
+    def keep(self, pairs: ContactPairs, coupling: Coupling, dt: float) -> None:
         """Keep the impulses of a step, on a rank that solves."""
         used, free = self._storage
         if len(free) < len(pairs.ends):
             free = np.empty(len(pairs.ends) + len(pairs.ends) // 8, KEPT_FORCE)
-        found = self.call(keep_impulses, pairs, dt, self._kept, free)
+        found = self.call(keep_impulses, pairs, coupling, dt, self._kept, free)
         self._kept, self._storage = free[:found], (free, used)
 
     @property
@@ -75,12 +75,14 @@ class KeptForces:
         kept = self._kept if self._whole else self._together()
         kept = kept if self.comm.rank == 0 else kept[:0]
         whole = [kept[name].astype(np.float64) for name in ("vertex", "bodies")]
-        return np.concatenate([*whole, kept["force"], kept["change"]], axis=1)
+        return np.column_stack([*whole, kept["force"], kept["change"], kept["acceleration"]])
 
     def restore(self, stored: np.ndarray) -> None:
         """Continue with those of a checkpoint, on every rank."""
-        kept = np.empty(len(stored), KEPT_FORCE)
-        parts = np.split(stored, (3, 5, 8), axis=1)
-        for name, values in zip(("vertex", "bodies", "force", "change"), parts, strict=True):
+        kept = np.zeros(len(stored), KEPT_FORCE)
+        parts = np.split(stored, (3, 5, 8, 11), axis=1)
+        for name, values in zip(("vertex", "bodies", "force", "change"), parts, strict=False):
             kept[name] = values
+        if stored.shape[1] == WIDTH:  # older checkpoints have none
+            kept["acceleration"] = stored[:, -1]
         self._kept, self._whole = kept, True

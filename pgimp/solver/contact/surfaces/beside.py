@@ -91,7 +91,7 @@ class MixedContact(SurfaceContact):
         if needed(material.near.any):
             met = material.meet(rank, rigid, self._holding(update))
             if met is not None:
-                step = t.dt, self._travels(met.speed, t.dt)
+                step = t.dt, self._travels(met.speed, t.dt), self._warm_start.kept
                 found.append(
                     self._pairs(met.surface, met.cells, met.every, met.vertices, step, self._beside)
                 )

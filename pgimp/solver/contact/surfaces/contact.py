@@ -38,7 +38,6 @@ from pgimp.solver.contact.base import NoContact
 from pgimp.solver.contact.lagrangian.joint import Joint
 from pgimp.solver.contact.lagrangian.lagrangian import ImpulseContact, flat, nothing_held
 from pgimp.solver.contact.lagrangian.messages import greatest
-from pgimp.solver.contact.surfaces.depth import Depth
 from pgimp.solver.contact.surfaces.groups import (
     Grouped,
     add_books,
@@ -47,7 +46,7 @@ from pgimp.solver.contact.surfaces.groups import (
     share_changes,
 )
 from pgimp.solver.contact.surfaces.loads import SurfaceLoads
-from pgimp.solver.contact.surfaces.overrun import OverrunWatch
+from pgimp.solver.contact.surfaces.overrun import Depth, OverrunWatch
 from pgimp.solver.contact.surfaces.proximity import Proximity
 from pgimp.solver.contact.surfaces.rebounds import rebounds_of
 from pgimp.solver.contact.surfaces.seams import changes_of_images
@@ -232,7 +231,7 @@ class SurfaceContact(ImpulseContact):
             find_gaps, frame, self._contact, self._walls, surface, (cells, u), proximity.scratch,
             (proximity.far, walks, travels), every,
         )  # fmt: skip
-        step = dt, travels
+        step = dt, travels, self._warm_start.kept
         vertices = ReferenceVertices(share.keys, values)
         joint = self._pairs(surface, cells, every, vertices, step, self._room)
         self._depth.note(every, surface, update.t.start)
@@ -318,11 +317,11 @@ class SurfaceContact(ImpulseContact):
 
     def _pairs(
         self, surface: Surface, cells: SurfaceCells, every: np.ndarray,
-        reference: ReferenceVertices, step: tuple[float, np.ndarray], room: Room,
+        reference: ReferenceVertices, step: tuple[float, np.ndarray, np.ndarray], room: Room,
     ) -> Joint:  # fmt: skip
         """The pairs of patches and other bodies, with their rows of B, in `room`.
 
-        `step` has its length, and the ways of the bodies' fastest vertices.
+        `step` has its length, the ways of the bodies' fastest vertices, and kept forces.
         """
         call, frame, (keys, values) = self.call, self.scene.domain.frame, reference
         seen, sums = np.empty((2, len(keys)), np.int64), np.empty(2 ** len(frame.cell))
