@@ -16,7 +16,7 @@ from pgimp.mpi.comm import abort_on_error, world
 from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.peers import within
 from pgimp.mpi.together import end_all_on_exceptions, require_same
-from pgimp.running.how import How
+from pgimp.running.how import How, has_companions
 from pgimp.running.log import Log
 from pgimp.running.progress import duration
 from pgimp.running.stop import Stop, wall_time
@@ -241,7 +241,6 @@ def _run(
     from pgimp.running.resume import resume as load_pair
     from pgimp.running.running import advance
     from pgimp.storage.hdf5 import load_h5py
-    from pgimp.utilities.accuracy import accompany
 
     directory = RunDirectory(output, comm, how.overwrite, how.resume, tuple(case.probes))
     try:
@@ -252,7 +251,9 @@ def _run(
         with announced(log.say):
             if how.resume:
                 case = as_begun(case, comm, directory)
-            if accompanied := accompany.wanted(case, directory, how):
+            if accompanied := has_companions(case, directory, how):
+                from pgimp.utilities.accuracy import accompany
+
                 chosen = accompany.begin(case, directory, how, log, stop, _run)
                 if chosen is None:
                     return False

@@ -11,9 +11,9 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from multiprocessing import get_context
 
 from proofs import forks
-from proofs.harmful import TRACE
 from proofs.jobs import environment, options_of, scratch
-from proofs.mutants import KINDS, Mutator
+from proofs.mutation.harmful import TRACE
+from proofs.mutation.mutants import KINDS, Mutator
 
 #: One mutant in this number is run in a process of its own, and by two ranks under mpirun.
 ALONE, RANKS = 25, 40

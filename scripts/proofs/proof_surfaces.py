@@ -8,9 +8,9 @@ import time
 from collections import Counter
 
 from proofs.jobs import scratch
+from proofs.meeting import touching
+from proofs.meeting.overlap import check
 from proofs.scenes import runs as scene_runs
-from proofs.scenes import touching
-from proofs.scenes.overlap import check
 
 #: Kinds of `--short`.
 SHORT = ("rings", "seam", "mirror")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from pgimp.case.accuracy.rescaled import rescaled
 from pgimp.errors import RunError, UsageError, explain
-from pgimp.io.rundir.ownfiles import COARSE, ERRORS
+from pgimp.io.rundir.ownfiles import ERRORS
 from pgimp.io.rundir.runinfo import describe_start
 from pgimp.mpi.collective import on_root
 from pgimp.running.how import How
@@ -38,22 +38,6 @@ if TYPE_CHECKING:
 
 #: Part of the allowed error for which cells are chosen.
 _MARGIN = 0.9
-
-
-def wanted(case: Case, directory: RunDirectory, how: How) -> bool:
-    """Whether companions run first; those of a run that is resumed go on; collective.
-
-    Raises
-    ------
-    UsageError
-        If only they are to run, and the run itself has begun.
-    """
-    step = (directory.before or {}).get("steps")
-    if how.forecast and step and not how.overwrite:
-        raise UsageError(f"{directory.path} holds a run that has begun: it needs no --forecast")
-    begun = directory.before is not None and not directory.overwrite
-    begun = directory.comm.bcast(begun and (directory.path / COARSE).is_dir())
-    return how.error or how.forecast or case.accuracy is not None or begun
 
 
 def begin(

@@ -6,7 +6,7 @@ import re
 from copy import deepcopy
 from pathlib import Path
 
-from proofs.harmful import EXECUTE, TRACE, enlarge, hostile
+from proofs.mutation.harmful import EXECUTE, TRACE, enlarge, hostile
 
 from pgimp.schema.document import parse
 
