@@ -217,7 +217,7 @@ def test_a_case_that_is_no_plain_file(folder, capsys, monkeypatch, becomes, comm
 
 def test_a_case_from_a_pipe(folder, capsys):
     os.mkfifo("piped.yaml")
-    writer = subprocess.Popen(["sh", "-c", "sleep 0.3; echo 'format: 2' > piped.yaml"])
+    writer = subprocess.Popen(["sh", "-c", "sleep 0.3; echo 'format: 3' > piped.yaml"])
     assert main(["check", "piped.yaml"]) == 2
     assert "format" in capsys.readouterr().err
     assert writer.wait() == 0

@@ -39,7 +39,7 @@ BENCH = {"particle_steps_per_second": 1.0, "phases": {}, "particles": 1, "steps"
          "positions": "lattice", "error": {"velocity": 0.0, "stress": 0.0}, "cpu": "x"}  # fmt: skip
 
 
-def fake_run(case, text, comm, output, overwrite, resume, log, stop):
+def fake_run(case, text, comm, output, how, log, stop):
     """Says lines as a run does, beside a file that it has open."""
     with open("data", "w") as data:
         data.write("data\n")
