@@ -148,6 +148,7 @@ def test_the_resolved_case_reads_like_one_written_by_hand():
         "  relaxation: auto\n"
         "  affine: false\n"
         "  volumetric: pointwise\n"
+        "  stress: last\n"
         "  mass: lumped\n"
         "  volume: tracked\n"
         "  wall: auto\n"
@@ -186,6 +187,7 @@ def test_the_resolved_case_reads_like_one_written_by_hand():
         "probes: {}\n"
         "gauges: {}\n"
         "checkpoint: {every: {wall: 900.0}, keep: 2}\n"
+        "accuracy: null\n"
     )
 
 

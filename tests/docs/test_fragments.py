@@ -130,6 +130,7 @@ FRAGMENTS = (
     ("escape:\n  x-max:", lambda: scene(2), ()),
     ("bodies:                               # by functions", windy, ()),
     ("method: {shape: gimp, particles_per_cell: [2, 2, 2], mass:", initial, ()),
+    ("method: {shape: gimp, particles_per_cell: [2, 2], stress:", lambda: scene(2), ()),
 )
 #: Whole cases and studies are read elsewhere (test_readme.py), and this is a remark.
 OTHERS = (
