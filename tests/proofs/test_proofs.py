@@ -179,11 +179,13 @@ from proofs import bounds
 import numpy as np
 from pgimp.kernels.contact.lagrangian.coupling import Coupling
 from pgimp.kernels.contact.lagrangian.pairs import ContactPairs
+from pgimp.kernels.contact.lagrangian.rows import Solved
 from pgimp.kernels.contact.lagrangian.warm_start import KEPT_FORCE, keep_impulses
 
 pairs, none = ContactPairs.empty(1), np.empty(0, KEPT_FORCE)
 pairs.states["normal_impulse"] = pairs.states["normal"] = 1.0
-keep_impulses(pairs, Coupling.empty(2, 1), 1.0, none, none)
+coupling = Coupling.empty(2, 1)
+keep_impulses(pairs, coupling, Solved.empty(1, coupling), np.zeros((1, 8)), 1.0, none, none)
 """
 
 

@@ -41,7 +41,7 @@ MISTAKES = [
     ("young:", "yuong:", "13: materials.steel.yuong", "unknown key; did you mean 'young'?"),
     ("young:", "yuong:", "13: materials.steel.yuong", "density, model, poisson, viscosity,"),
     ("units:", "unit:", "3: unit", "did you mean 'units'?"),
-    ("history:", "sunshine: {}\nhistory:", "30: sunshine", "unknown key; allowed: accuracy, bodies,"),
+    ("history:", "sunshine: {}\nhistory:", "30: sunshine", "unknown key; allowed: accuracy,"),
     ("output:", "checkpoints: {}\noutput:", "29: checkpoints", "did you mean 'checkpoint'?"),
     ("Two bodies", '"two\\nlines"', "2: title", "expected a line of text", "U+000A"),
     ("Two bodies", '"\\e[2J"', "2: title", "expected a line of text", "U+001B"),

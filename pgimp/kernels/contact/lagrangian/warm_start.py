@@ -14,7 +14,7 @@ from pgimp.kernels.contact.law import LEAST_GIVEN
 from pgimp.physics.contact.base import TIED
 
 #: The force of a pair in a step, and the change that it is to have until the next one. A pair is
-#: known by its vertex and its bodies. And the acceleration that pressure gives both ends there.
+#: known by its vertex and its bodies. And the acceleration that contact gives both ends, apart.
 KEPT_FORCE = structure(
     ("vertex", "i8", 3), ("bodies", "i8", 2), ("force", "f8", 3), ("change", "f8", 3),
     ("acceleration", "f8"),
@@ -53,7 +53,7 @@ def find_kept(kept, n, end):
 
 @inner_kernel
 def kept_acceleration(kept, end):
-    """Acceleration apart that pressure gave the ends of a pair in the last step, 0 without any."""
+    """Acceleration apart that contact gave the ends of a pair in the last step, 0 without any."""
     low, high = 0, len(kept)
     while low < high:
         middle = (low + high) // 2
@@ -122,14 +122,30 @@ def begin_impulses(contact, kept, contact_pairs, coupling, solved, dt):
             apply_impulse(contact, contact_pairs, k, J, coupling, solved)
 
 
+@inner_kernel
+def _parted(end, normal, coupling, solved, values):
+    """Velocity apart along the normal that the ends of a pair have gained in the sweeps."""
+    gained = 0.0
+    for side in range(2):
+        r, sign = end.rows[side], 2.0 * side - 1.0
+        if r >= 0:
+            for n in range(coupling.start[r], coupling.start[r + 1]):
+                j, weight = coupling.column[n], sign * coupling.entry[n, 0]
+                for d in range(3):
+                    gained += weight * normal[d] * (solved.velocity[j, d] - values[j, d])
+    return gained
+
+
 @kernel
-def keep_impulses(contact_pairs, coupling, dt, before, kept):
+def keep_impulses(contact_pairs, coupling, solved, values, dt, before, kept):
     """Keep the impulses of a step as forces; returns how many there are.
 
     Parameters
     ----------
-    coupling : Coupling
-        The rows of the pairs.
+    coupling, solved
+        The rows of the pairs, and the vertices after the sweeps.
+    values : (m, NUMBERS) float64
+        The vertices before.
     before : (n,) KEPT_FORCE
         Those of the step before.
     kept : (pairs,) KEPT_FORCE
@@ -150,11 +166,8 @@ def keep_impulses(contact_pairs, coupling, dt, before, kept):
             own.force[d] = J[d] / dt
             own.change[d] = EXTRAPOLATION * (own.force[d] - before[m].force[d]) if m >= 0 else 0.0
         own.acceleration = 0.0
-        for side in range(2):
-            r = end.rows[side]
-            for d in range(3):
-                if r >= 0:
-                    along = max(row.normal_impulse, 0.0) * row.normal[d] ** 2
-                    own.acceleration += along * coupling.answer[r, d] / dt
+        if row.normal_impulse > 0.0:
+            gained = _parted(end, row.normal, coupling, solved, values)
+            own.acceleration = max(gained, 0.0) / dt
         found += 1
     return found

@@ -10,7 +10,8 @@ W_k ~ A_k max(0, s - g_k), which add up to 1.
 
 Where a patch tilts, pressure p moves towards what is deepest: a spring against it, of p/d over an
 area. Weights of a step are those at its begin, so that the spring is explicit. In a grid of cells h
-it has omega^2 = 2 p/(3 rho h d), so that d has to grow with p/(rho h) dt^2.
+it has omega^2 = 2 p/(3 rho h d) = a/(3 d), with the acceleration a of vertices at the surface by
+even pressure. So d is a dt^2/2 at least: what contact keeps the patch from in a step.
 """
 
 from math import inf, sqrt
@@ -18,8 +19,8 @@ from math import inf, sqrt
 from pgimp.jit.kernel import inner_kernel
 from pgimp.physics.contact.base import TIED
 
-#: The least length d in cells, and over the way that pressure alone gives a patch in a step.
-FADES, FOLLOWS = 0.002, 1.5
+#: The least length d in cells, and over a dt^2 with the acceleration a that contact gives a patch.
+FADES, FOLLOWS = 0.002, 0.5
 
 #: Iterations for the level, at most, and the change over d that ends them.
 _NEWTON, _EXACT = 40, 1e-12

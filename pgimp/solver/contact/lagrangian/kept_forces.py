@@ -50,12 +50,14 @@ class KeptForces:
         """Set and apply the impulses that the last steps predict, on a rank that solves."""
         self.call(begin_impulses, contact, self._kept, pairs, coupling, solved, dt)
 
-    def keep(self, pairs: ContactPairs, coupling: Coupling, dt: float) -> None:
+    def keep(
+        self, pairs: ContactPairs, coupling: Coupling, solved: Solved, values: np.ndarray, dt: float
+    ) -> None:
         """Keep the impulses of a step, on a rank that solves."""
         used, free = self._storage
         if len(free) < len(pairs.ends):
             free = np.empty(len(pairs.ends) + len(pairs.ends) // 8, KEPT_FORCE)
-        found = self.call(keep_impulses, pairs, coupling, dt, self._kept, free)
+        found = self.call(keep_impulses, pairs, coupling, solved, values, dt, self._kept, free)
         self._kept, self._storage = free[:found], (free, used)
 
     @property

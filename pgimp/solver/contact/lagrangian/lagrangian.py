@@ -116,7 +116,7 @@ class ImpulseContact(NoContact):
         vertices, solved = flat(known.values), Solved.empty(len(known.values), coupling)
         call(begin_solution, free.frame, vertices, coupling, solved)
         self._sweep(free, pairs, coupling, solved)
-        self._warm_start.keep(pairs, coupling, self._dt)
+        self._warm_start.keep(pairs, coupling, solved, vertices, self._dt)
         changes = self._changes(known, solved)
         self._book(free, pairs, coupling, solved, vertices, ledger)
         return changes
