@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from math import ceil, prod
+from math import ceil
 from typing import Any
 
 from pgimp.case.load import load
@@ -57,13 +56,6 @@ def companion(case: Case, factor: float) -> Case:
                     else every / DENSER
                 )
     return _load(data)
-
-
-def ratio_of(cell: Sequence[float], of: Sequence[float]) -> float:
-    """Return the size of cells over that of others, a mean over the directions that differ."""
-    found = [one / other for one, other in zip(cell, of, strict=True)]
-    found = [ratio for ratio in found if abs(ratio - 1.0) > 1e-9]
-    return float(prod(found) ** (1.0 / len(found))) if found else 1.0
 
 
 def _load(data: dict[str, Any]) -> Case:

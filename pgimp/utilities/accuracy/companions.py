@@ -6,10 +6,11 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pgimp.case.accuracy.rescaled import companion, ratio_of
+from pgimp.case.accuracy.rescaled import companion
 from pgimp.errors import UsageError
 from pgimp.io.rundir.ownfiles import COARSE
 from pgimp.running.accuracy.find import boxes_of, of_case
+from pgimp.utilities.accuracy.estimate import ratio_of
 
 if TYPE_CHECKING:
     from pgimp.case.schema import Case

@@ -16,6 +16,7 @@ an error is the greatest in a part of the time around.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from math import prod
 from typing import NamedTuple
 
 import numpy as np
@@ -125,3 +126,10 @@ def _greatest_around(times: Array, errors: Array) -> Array:
     known = np.where(np.isfinite(errors), errors, -np.inf)
     found = np.array([known[i:j].max() for i, j in zip(low, high, strict=True)])
     return np.where(np.isfinite(errors), found, np.nan)
+
+
+def ratio_of(cell: Sequence[float], of: Sequence[float]) -> float:
+    """Return the size of cells over that of others, a mean over the directions that differ."""
+    found = [one / other for one, other in zip(cell, of, strict=True)]
+    found = [ratio for ratio in found if abs(ratio - 1.0) > 1e-9]
+    return float(prod(found) ** (1.0 / len(found))) if found else 1.0

@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pgimp.case.accuracy.rescaled import ratio_of
 from pgimp.errors import CaseError, PgimpError
 from pgimp.io.results import history
 from pgimp.io.results.reader import Run
@@ -21,7 +20,7 @@ from pgimp.io.rundir.probefiles import probe_file, probe_files
 from pgimp.schema.document import LARGEST_FILE, parse
 from pgimp.storage.plain import read_plain
 from pgimp.utilities.accuracy.aligned import curve_of, has_error
-from pgimp.utilities.accuracy.estimate import Estimate, estimate
+from pgimp.utilities.accuracy.estimate import Estimate, estimate, ratio_of
 
 Array = np.ndarray
 

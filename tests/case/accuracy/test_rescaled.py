@@ -3,9 +3,10 @@
 import pytest
 from two_blocks import flying
 
-from pgimp.case.accuracy.rescaled import companion, ratio_of, rescaled
+from pgimp.case.accuracy.rescaled import companion, rescaled
 from pgimp.case.load import load
 from pgimp.errors import UsageError
+from pgimp.utilities.accuracy.estimate import ratio_of
 
 
 def test_steps_and_intervals_go_with_the_cells():
