@@ -190,7 +190,8 @@ def _strain(case: Case, box: Box, material: Any, kind: Kind) -> tuple[float, boo
     for body in case.rigid_bodies.values():
         if isinstance(body.rigid, Motion) and body.rigid.moves:
             way = np.array([body.rigid.displacement(float(t)) for t in instants(case)])
-            apart = np.maximum(apart, np.abs(way[:, : case.dimensions]).max(axis=0))
+            way = np.abs(way[:, : case.dimensions]).max(axis=0)
+            apart = np.maximum(apart, way * sizes / np.minimum(sizes, _wide(body.region, way)))
     grips = float((apart / sizes).max())
     density, young = _number(material.density), _number(getattr(material, "young", None))
     strength = _number(getattr(material, "yield_stress", None) or getattr(material, "a", None))
@@ -201,6 +202,15 @@ def _strain(case: Case, box: Box, material: Any, kind: Kind) -> tuple[float, boo
         strain = max(strain, density * closing**2 / strength)  # Johnson's damage number
     yields = kind == "metal" and young * grips > _YIELDS * strength
     return (strain, yields) if isfinite(strain) else (1.0, kind == "metal")
+
+
+def _wide(region: Any, way: np.ndarray) -> float:
+    """Width of a tool across its way: as deep it strains what it sinks into."""
+    if any(part.FROM_FILE for part in region.simple()):
+        return float("inf")
+    low, high = (np.array(end, float) for end in region.bounds())
+    across = (high - low)[way < way.max()]
+    return float(across.min()) if across.size else float("inf")
 
 
 def _number(value: Any) -> float:

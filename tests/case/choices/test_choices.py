@@ -68,6 +68,17 @@ def test_a_metal_is_judged_by_its_strain():
     assert configurations(fast) == {"body": "current"} and fast.method.affine
 
 
+@pytest.mark.parametrize(("width", "chosen"), [(2.0, "current"), (8.0, "initial")])
+def test_what_a_narrow_tool_sinks_into_is_strained_over_its_width(width, chosen):
+    """A way of 0.4 is a fifth of a strip's width, and less than a tenth of the ground's depth."""
+    ground = {**STEEL, "young": 4.0e9}  # yields at a strain of 0.1
+    place = {"box": {"min": [6.0 - width / 2, 6.0], "max": [6.0 + width / 2, 7.0]}}
+    tool = {"rigid": {"velocity": [0.0, -0.4]}, "region": place}
+    data = bare(2, box([1.0, 1.0], [11.0, 6.0]), ground)
+    data["bodies"]["strip"], data["time"]["end"] = tool, 1.0
+    assert configurations(pgimp.load(data)) == {"body": chosen}
+
+
 def test_a_body_that_may_come_to_a_wall_that_holds_is_in_the_current_configuration():
     walls = {"x-max": "fixed"}
     near, far = (bare(2, block([v, 0.0]), boundaries=walls, end=1.0) for v in (8.0, 1.0))
