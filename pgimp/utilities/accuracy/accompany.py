@@ -28,6 +28,7 @@ from pgimp.utilities.accuracy.companions import (
     notes,
     thinnest,
 )
+from pgimp.utilities.accuracy.estimate import edges
 from pgimp.utilities.accuracy.forecast import cost_of, seconds_of
 from pgimp.utilities.accuracy.found import Companions, as_csv, told, with_error
 
@@ -197,7 +198,7 @@ def _factor(case: Case, wanted: float) -> float:
 
 
 def _cells(case: Case, factor: float) -> str:
-    return " x ".join(f"{cell * min(factor, 1.0):.3g}" for cell in dict.fromkeys(case.grid.cell))
+    return edges([cell * min(factor, 1.0) for cell in case.grid.cell])
 
 
 def conclude(case: Case, directory: RunDirectory, log: Log) -> None:

@@ -10,7 +10,7 @@ from pgimp.case.accuracy.rescaled import companion
 from pgimp.errors import UsageError
 from pgimp.io.rundir.ownfiles import COARSE
 from pgimp.running.accuracy.find import boxes_of, of_case
-from pgimp.utilities.accuracy.estimate import ratio_of
+from pgimp.utilities.accuracy.estimate import edges, ratio_of
 
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
@@ -32,7 +32,7 @@ class Companion:
     @property
     def cells(self) -> str:
         """Its cells, for messages."""
-        return " x ".join(f"{cell:.4g}" for cell in dict.fromkeys(self.case.grid.cell))
+        return edges(self.case.grid.cell)
 
 
 def thinnest(case: Case) -> tuple[float, str]:

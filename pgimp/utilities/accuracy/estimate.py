@@ -128,6 +128,12 @@ def _greatest_around(times: Array, errors: Array) -> Array:
     return np.where(np.isfinite(errors), found, np.nan)
 
 
+def edges(cell: Sequence[float]) -> str:
+    """Edges of cells in words: one if all are the same to four digits."""
+    texts = [f"{edge:.4g}" for edge in cell]
+    return texts[0] if len(set(texts)) == 1 else " x ".join(texts)
+
+
 def ratio_of(cell: Sequence[float], of: Sequence[float]) -> float:
     """Return the size of cells over that of others, a mean over the directions that differ."""
     found = [one / other for one, other in zip(cell, of, strict=True)]

@@ -11,6 +11,7 @@ from pgimp.io.rundir import runinfo
 from pgimp.io.rundir.ownfiles import RUN
 from pgimp.running.progress import duration
 from pgimp.running.stop import clock
+from pgimp.utilities.accuracy.estimate import edges
 
 
 class Cost(NamedTuple):
@@ -72,7 +73,7 @@ def foretold(path: Path, ranks: int, limit: float) -> Iterator[str]:
     try:
         assert isinstance(known, dict)
         seconds = float(known["seconds"]) * int(known["ranks"]) / ranks
-        cells = " x ".join(f"{float(cell):.4g}" for cell in dict.fromkeys(known["cell"]))
+        cells = edges([float(cell) for cell in known["cell"]])
     except (AssertionError, KeyError, TypeError, ValueError):
         return
     jobs = max(1, ceil(seconds / limit))

@@ -5,7 +5,7 @@ import pytest
 
 from pgimp.case.accuracy.entry import Accuracy
 from pgimp.utilities.accuracy.aligned import Curve, aligned, curve_of, has_error
-from pgimp.utilities.accuracy.estimate import estimate, order_of
+from pgimp.utilities.accuracy.estimate import edges, estimate, order_of
 from pgimp.utilities.accuracy.forecast import Cost, seconds_of
 from pgimp.utilities.accuracy.found import with_error
 from pgimp.utilities.accuracy.quantity import found
@@ -104,3 +104,8 @@ def test_costs_grow_with_particles_beside_what_a_step_costs_itself():
 )
 def test_values_have_the_digits_that_their_errors_tell(value, error, text):
     assert with_error(value, error) == text
+
+
+def test_cells_are_told_by_one_edge_or_all():
+    assert edges([0.2, 0.19999999999999998, 0.2]) == "0.2"
+    assert edges([0.1, 0.2, 0.1]) == "0.1 x 0.2 x 0.1"
