@@ -10,7 +10,7 @@ from proofs.mutation.harmful import EXECUTE, TRACE, enlarge, hostile
 
 from pgimp.schema.document import parse
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 FILES = sorted([*ROOT.glob("cases/*.yaml"), *ROOT.glob("cases/hard/*.yaml")])
 STUDIES = sorted(ROOT.glob("cases/studies/*.yaml"))
 NUMBERS = [
