@@ -23,7 +23,7 @@ def test_a_constraint_that_holds_nothing_is_refused_as_by_a_run(monkeypatch):
     said = []
     for text in (between, after):
         for build in (findings, lambda case: Simulation(case, Serial())):
-            with pytest.raises(CaseError, match=r"grip\.region: holds no particle") as caught:
+            with pytest.raises(CaseError, match=r"grip\.region: contains no particle") as caught:
                 build(plate(text))
             said.append(str(caught.value))
     assert said[0] == said[1] and said[2] == said[3]

@@ -42,10 +42,10 @@ def test_a_body_comes_to_a_wall_only_where_nothing_bears_it():
     for others in ({}, {"plate": {"rigid": {}, "region": box([8, 2], [16, 5])["region"]}}):
         entry = contact if others else []
         (text,) = said({"wheel": WHEEL | {"velocity": [0.0, 0.0]}} | others, contact=entry)
-        assert text.startswith("boundaries.y-min: 'wheel' may come near the wall")
+        assert text.startswith("boundaries.y-min: 'wheel' may approach the wall")
     # The plate and the wheel do not feel each other.
     (text,) = said(both, contact=[{"bodies": "all", "law": "ignore"}])
-    assert text.startswith("boundaries.y-min: 'wheel' may come near the wall")
+    assert text.startswith("boundaries.y-min: 'wheel' may approach the wall")
 
 
 def test_a_float_and_lifts_on_each_other_stay_where_they_lie():

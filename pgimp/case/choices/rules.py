@@ -305,7 +305,7 @@ CONTACT: tuple[Rule, ...] = (
         "each other, which flow together",
         lambda scene: True,
         "bodies meet, slide and part",
-        "without contact they would stick together, from two cells apart; `contact: bonded` says "
+        "without contact they would be bonded, from two cells apart; `contact: bonded` says "
         "that this is meant",
         "contact.md",
     ),

@@ -162,7 +162,9 @@ def test_comments_and_lines_stay(tmp_path, capsys):
     swaps = (("unilateral", "separating"), ("particles-per-cell", "particles_per_cell"),
              ("formulation: updated-lagrangian", "configuration:   'current'  # kept, too"),
              ("strength-reduction", "strength"), ("equilibrate", "settle"))  # fmt: skip
-    text = SOIL.replace("       formulation", "       formulation").replace("}\ngrav", "\n  }\ngrav")
+    text = SOIL.replace("       formulation", "       formulation").replace(
+        "}\ngrav", "\n  }\ngrav"
+    )
     old = text
     for new, word in swaps:
         old = old.replace(new, word)
