@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pgimp.case.accuracy.rescaled import rescaled
-from pgimp.errors import RunError, UsageError, explain
+from pgimp.errors import PgimpError, RunError, UsageError, explain
 from pgimp.io.rundir.ownfiles import ERRORS
 from pgimp.io.rundir.runinfo import describe_start
 from pgimp.mpi.collective import on_root
@@ -29,6 +29,7 @@ from pgimp.utilities.accuracy.again import (
     keep_first,
     second_refinement,
 )
+from pgimp.utilities.accuracy.aligned import has_error
 from pgimp.utilities.accuracy.companions import (
     FEWEST,
     Companion,
@@ -79,7 +80,7 @@ def begin(
         quiet = Log(comm.rank == 0, True)
         try:
             ended = run(one.case, None, comm, one.path, How(resume=True), quiet, stop)
-        except RunError as error:
+        except PgimpError as error:
             text = (
                 f"the companion run in {one.path} failed: {error}\n"
                 "The run itself has not begun. Smaller cells (grid.cell) may help; without "
@@ -87,7 +88,8 @@ def begin(
             )
             if fresh:
                 directory.record_failure("failed", 0, 0.0, text)
-            raise type(error)(text) from error
+            kind = type(error) if isinstance(error, RunError) else UsageError
+            raise kind(text) from error
         if ended:
             continue
         if fresh:
@@ -116,6 +118,8 @@ def _planned(case: Case, path: Path) -> list[Companion]:
     """
     if (entry := case.accuracy) is None:
         return companions(case, levels_of(case), path)
+    if not has_error(entry.column):
+        raise UsageError(f"accuracy.of: {entry.of} has no error of its own; take another column")
     if not entry.probe and entry.column not in (names := column_names(Scene(case))):
         text = unknown("column", entry.column, names, "history.csv will have")
         raise UsageError(f"accuracy.of: {text}")
@@ -189,7 +193,7 @@ def _factor_for(case: Case, planned: list[Companion], cost: Costs) -> tuple[floa
         raise UsageError(
             f"accuracy: {on}; {needs}: {cost.told(factor)}.\n"
             f"That is finer than accuracy.finest allows, {entry.finest:g} of grid.cell: set it to "
-            f"{0.99 * factor:.2g}, or ask for less. What has run is kept: --resume goes on with it"
+            f"{0.99 * factor:.3g}, or ask for less. What has run is kept: --resume goes on with it"
         )
     if wanted >= 1.0:
         needs = f"the case's cells are small enough for {entry.asked}, {known.by}"
