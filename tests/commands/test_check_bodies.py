@@ -195,7 +195,7 @@ bodies: {{hill: {{material: ground, region: {{box: {{min: [1.0, 1.0], max: [3.0,
     assert not list(locking(case))
     plastic = model in ("drucker-prager", "mohr-coulomb", "von-mises")
     assert len(found) == (plastic and "b-bar" not in method)
-    assert all("stripes" in one and "'hill'" in one and "materials.ground" in one for one in found)
+    assert all("checkerboard" in one and "'hill'" in one and "materials.ground" in one for one in found)
 
 
 def test_bodies_of_one_material_are_named_together():

@@ -82,7 +82,7 @@ def test_a_rigid_body_out_of_reach_is_no_pair(radius, way, warned):
         "tube": box([0, 0], [1, 1]) | {"region": tube},
         "core": {"rigid": {"velocity": [way / 5.0, 0.0]}, "region": ball},
     }
-    found = [text for text in said(bodies, gravity=[0.0, 0.0]) if "sticks to the rigid" in text]
+    found = [text for text in said(bodies, gravity=[0.0, 0.0]) if "is bonded to the rigid" in text]
     assert len(found) == warned
 
 
