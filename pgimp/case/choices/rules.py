@@ -77,7 +77,8 @@ OF_BODIES: tuple[Rule, ...] = (
         "formulation",
         "updated-lagrangian",
         f"a metal, or clay as one, strained by more than {METAL_STRAIN:g}, or by tools and grips "
-        "to several times its yield strain",
+        "to several times its yield strain: by their ways over its size, and by those of bodies "
+        "of a material that are moved",
         lambda body: _body(body, "metal") and (body.strain > METAL_STRAIN or body.yields),
         "its plastic flow is large",
         "a footing is right to 1.5 %, so to 8.9 %; Taylor's bar has a radius of 7.01 "
