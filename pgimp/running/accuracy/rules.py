@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
+from pgimp.case.body import any_means
 from pgimp.schema.pages import page
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ class Rule(NamedTuple):
         method = None if case is None else case.method
         if method is not None and method.affine:
             parts = [part for part in parts if not part.startswith("method.affine: true")]
-        if method is not None and method.volumetric == "mean":
+        if case is not None and any_means(case):
             parts = [part for part in parts if not part.startswith("method.volumetric: mean")]
         return "; ".join(parts)
 
