@@ -76,9 +76,10 @@ def exact_surfaces():
 
 
 def exact_means():
-    """The same bodies with mean dilatation, and stresses recovered from neighbours."""
+    """The same bodies, two with mean dilatation, and stresses recovered from neighbours."""
     case = exact_surfaces()
     case["method"]["volumetric"] = "mean"
+    case["bodies"]["disk"]["volumetric"] = "pointwise"
     case["output"]["fields"] = [*EVERYTHING, "recovered-stress"]
     case["probes"] = {
         name: {"body": body, "at": at, "fields": ["recovered-stress"], "every": {"steps": 10}}
