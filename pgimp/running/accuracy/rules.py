@@ -85,6 +85,8 @@ RULES = {
         "method.shape: cpdi, or configuration: initial: the body may tear where it should not"),
     "size": Rule("strain of boxes that keep their size", 0.15, "%", "methods.md#reasons",
         "method.shape: finite-gimp"),
+    "flowed": Rule("strain of a metal in the initial configuration", 0.3, "%",
+        "metals.md#in-runs", "configuration: current"),
     "frozen": Rule("possibly frozen energy", 0.03, "%", "hard-cases.md#frozen-stress",
         "an entry of contact for bodies that meet; configuration: initial"),
     "stripes": Rule("stress that varies within cells", 0.2, "%", "hard-cases.md#locking",
