@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from pgimp.case.body import any_means
+from pgimp.case.choices.beyond import FLOWED
 from pgimp.schema.pages import page
 
 if TYPE_CHECKING:
@@ -85,7 +86,7 @@ RULES = {
         "method.shape: cpdi, or configuration: initial: the body may tear where it should not"),
     "size": Rule("strain of boxes that keep their size", 0.15, "%", "methods.md#reasons",
         "method.shape: finite-gimp"),
-    "flowed": Rule("strain of a metal in the initial configuration", 0.3, "%",
+    "flowed": Rule("strain of a metal in the initial configuration", FLOWED, "%",
         "metals.md#in-runs", "configuration: current"),
     "frozen": Rule("possibly frozen energy", 0.03, "%", "hard-cases.md#frozen-stress",
         "an entry of contact for bodies that meet; configuration: initial"),

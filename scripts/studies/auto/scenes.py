@@ -101,7 +101,7 @@ SPHERE = _scene(
 SLOSHES = _scene(
     [1.0, 0.7], 0.05, 5.0, _WATER, {"water": _body(box([0.0, 0.0], [1.0, 0.5]))}, 0.01,
     title="Sloshing", boundaries=_TANK, start={"stress": {"k0": 1.0}},
-    gravity={"table": [[0.0, [0.0, -9.81]], [0.1, [0.1, -9.81]]]},
+    gravity={"table": [[0.0, [0.0, -9.81]], [0.1, [1.0, -9.81]]]},
 )  # fmt: skip
 #: A block of half the density of the water in which it lies a fifth too high.
 FLOATS = _scene(

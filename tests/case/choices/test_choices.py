@@ -8,6 +8,7 @@ from schema_checker import Checker
 from two_blocks import CASE
 
 import pgimp
+from pgimp.case.choices.beyond import beyond
 from pgimp.case.choices.choose import lines
 from pgimp.case.choices.facts import FLOWING
 from pgimp.case.choices.kept import kept
@@ -299,3 +300,18 @@ def test_editors_know_what_may_be_left_out():
     pgimp.load(body)
     assert not sees(bare(2, block(), contact="glued"))
     assert not sees(bare(2, block()) | {"method": {"shape": "tent"}})
+
+
+def test_strains_of_a_run_tell_where_another_method_is_better():
+    """Only of what was chosen: what a case names is its own affair."""
+    steel = pgimp.load(bare(2, block(), STEEL))
+    assert beyond(steel, "body", 0.5) == "configuration: current" and not beyond(steel, "body", 0.1)
+    named = bare(2, block(), STEEL)
+    named["bodies"]["body"]["configuration"] = "initial"
+    assert not beyond(pgimp.load(named), "body", 0.5)
+    stiff = {"model": "neo-hookean", "young": 1e5, "poisson": 0.3, "density": 1.0}
+    held = pgimp.load(bare(2, block([8.0, 0.0]), stiff, boundaries={"x-max": "fixed"}))
+    assert beyond(held, "body", 0.3) == "method.shape: finite-gimp"
+    assert not beyond(held, "body", 0.1)
+    assert not beyond(pgimp.load(bare(2, block(), CLAY)), "body", 2.0)
+    assert not beyond(pgimp.load(bare(2, block())), "body", 2.0)
