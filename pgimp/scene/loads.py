@@ -80,7 +80,7 @@ class SceneLoads:
                 np.array([entry.quadratic if entry else 0.0 for entry in entries]),
                 float(min(case.grid.cell)),
             )
-        self.lagrangian = [body.configuration == "initial" for body in case.bodies.values()]
+        self.lagrangian = [body.formulation == "total-lagrangian" for body in case.bodies.values()]
         moving = not all(self.lagrangian)  # else the vertices keep the velocities
         self.relaxation: float | tuple[()] = (relaxation_rate(case) if moving else 0.0) or ()
         holds = (face.motion(0.0) is not None for face in case.boundaries.values())
@@ -104,7 +104,7 @@ class SceneLoads:
         self.least_parts = np.array(
             [
                 LEAST_PART
-                * (case.bodies[entry.body].configuration == "initial")
+                * (case.bodies[entry.body].formulation == "total-lagrangian")
                 * all(force is None for force in entry.force)
                 for entry in self.constraints
             ]

@@ -19,9 +19,9 @@ def beyond(case: Case, name: str, strain: float) -> str:
     """Return the key that fits a strain of a body, if another was chosen; empty if none would."""
     chosen, body = case.__dict__.get("chosen", {}), case.bodies[name]
     kind = kind_of(case.materials[body.material])
-    if body.configuration == "initial":
+    if body.formulation == "total-lagrangian":
         metal = kind == "metal" and strain > FLOWED
-        named = ("bodies", name, "configuration") not in chosen
-        return "configuration: current" if metal and not named else ""
+        named = ("bodies", name, "formulation") not in chosen
+        return "formulation: updated-lagrangian" if metal and not named else ""
     large = strain > LARGE and case.method.keeps_size and kind not in FLOWING
     return "method.shape: finite-gimp" if large and ("method", "shape") in chosen else ""

@@ -15,11 +15,13 @@ Case = Any
 Data = dict[str, Any]
 Path = tuple[str, ...]
 
+TOTAL, UPDATED = "total-lagrangian", "updated-lagrangian"
+
 #: The word that says of any key of the method that it is chosen.
 CHOSEN = "auto"
 #: Keys of `method` that are chosen for the scene, and those that are chosen by body.
-_OF_METHOD = ("shape", "particles_per_cell", "affine", "volumetric")
-_OF_BODY = ("configuration", "mass", "volumetric")
+_OF_METHOD = ("shape", "particles-per-cell", "affine", "volumetric")
+_OF_BODY = ("formulation", "mass", "volumetric")
 #: Most bodies that a line names.
 _NAMED = 3
 #: Kinds of bodies as lines name them.
@@ -47,7 +49,7 @@ class Choice(NamedTuple):
 class Open(NamedTuple):
     """What a case leaves out."""
 
-    bodies: tuple[str, ...]  #: Those of a material without `configuration`.
+    bodies: tuple[str, ...]  #: Those of a material without `formulation`.
     masses: tuple[str, ...]  #: Those of a material without `mass`.
     volumes: tuple[str, ...]  #: Those of a material without `volumetric`.
     method: tuple[str, ...]  #: Keys of `_OF_METHOD`.
@@ -70,7 +72,7 @@ def left_out(data: Mapping[str, Any]) -> Open | None:
         return None
     if data.get("dimensions") not in (1, 2, 3) or isinstance(data.get("dimensions"), bool):
         return None
-    whole = {"shape", "particles_per_cell"} <= set(method) and "step" in time
+    whole = {"shape", "particles-per-cell"} <= set(method) and "step" in time
     chooses = data.get("format") == 2 or not whole
 
     def left(part: Mapping[str, Any], key: str, chooses: bool = chooses) -> bool:
@@ -122,7 +124,7 @@ def without_choice(data: Mapping[str, Any]) -> Data:
     time = found["time"] = found["time"] if "time" in data else None
     if not found["method"]:
         known = count if count in (1, 2, 3) else 1
-        found["method"] = {"shape": "gimp", "particles_per_cell": (2,) * int(known or 1)}
+        found["method"] = {"shape": "gimp", "particles-per-cell": (2,) * int(known or 1)}
     if isinstance(time, Mapping) and "step" not in time:
         found["time"] = {**time, "step": {"courant": 0.3}}
     if "time" not in data:
@@ -135,7 +137,7 @@ def plain(data: Mapping[str, Any], open_keys: Open) -> Data:
     count = int(data["dimensions"])
     values: dict[Path, Any] = {
         ("method", "shape"): "gimp",
-        ("method", "particles_per_cell"): (2,) * count,
+        ("method", "particles-per-cell"): (2,) * count,
         ("time", "step"): {"courant": 0.3},
     }
     asked = {("method", key) for key in open_keys.method}
@@ -183,19 +185,19 @@ def _choices(
     found: dict[Path, Choice] = {}
     initial = []
     for body in facts:
-        rule = rule_of(OF_BODIES, "configuration", body)
+        rule = rule_of(OF_BODIES, "formulation", body)
         value, reason = rule.value, f"{_WORDS[body.kind]}: {rule.reason}"
         if body.wall and rule.page == "walls.md":
             reason += f" ({body.wall})"
-        instead = not may[0] and value == "initial"
+        instead = not may[0] and value == TOTAL
         if instead:
-            value, reason = "current", "initial is refused in this case"
+            value, reason = UPDATED, f"{TOTAL} is refused in this case"
         if body.name in open_keys.bodies:
-            path = ("bodies", body.name, "configuration")
+            path = ("bodies", body.name, "formulation")
             found[path] = Choice(path, value, reason, rule.page, instead)
         else:
-            value = case.bodies[body.name].configuration
-        initial.append(value == "initial")
+            value = case.bodies[body.name].formulation
+        initial.append(value == TOTAL)
     if open_keys.bonded:
         entries = bonded(case, initial)
         found["contact",] = Choice(("contact",), entries, "bonded, as written", "contact.md")
@@ -205,11 +207,11 @@ def _choices(
     approached = any(face.approaches for face in case.boundaries.values())
     meets = bool(case.contact or case.rigid_bodies or approached or ("contact",) in found)
     scene = SceneChoice(
-        case.dimensions, tuple(facts), tuple(initial), (), meets, case.start.settle is not None
+        case.dimensions, tuple(facts), tuple(initial), (), meets, case.start.equilibrate is not None
     )
     each = [(body, one, scene) for body, one in zip(facts, initial, strict=True)]
     rules = [rule_of(VOLUMETRIC, "volumetric", it) for it in each] if may[2] else []
-    means = _means(case, open_keys, [rule.value == "mean" for rule in rules], found)
+    means = _means(case, open_keys, [rule.value == "b-bar" for rule in rules], found)
     scene = scene._replace(means=means)
     for it in each:
         path, rule = ("bodies", it[0].name, "mass"), MASS[0]
@@ -219,7 +221,7 @@ def _choices(
         if key == "volumetric":
             continue
         rule = rule_of(OF_SCENES, key, scene)
-        value = (rule.value,) * case.dimensions if key == "particles_per_cell" else rule.value
+        value = (rule.value,) * case.dimensions if key == "particles-per-cell" else rule.value
         found["method", key] = Choice(
             ("method", key), value, rule.reason, rule.page, whose=_whose(rule, scene)
         )
@@ -260,7 +262,7 @@ def _means(
             whose=names if len(names) < len(needs) else (),
         )  # fmt: skip
     else:
-        common = case.method.volumetric == "mean"
+        common = case.method.volumetric == "b-bar"
     means = []
     for (name, body), need, is_open in zip(case.bodies.items(), needs, open_bodies, strict=True):
         value = common if is_open else has_means(body, case.method)
@@ -276,7 +278,7 @@ def _contact(met: Meeting) -> tuple[Data, ...]:
     """Entries of contact: of all that may meet, but for groups that stay together."""
     if not met.pairs:  # the others share a field as they are
         return ()
-    tied = ({"bodies": group, "law": "tied"} for group in met.together)
+    tied = ({"bodies": group, "law": "tie"} for group in met.together)
     return ({"bodies": "all"}, *tied)
 
 
@@ -291,7 +293,7 @@ def _met(met: Meeting) -> str:
 def bonded(case: Case, every_initial: Iterable[bool]) -> tuple[Data, ...]:
     """Entries of contact of `contact: bonded`: in the current configuration none are needed."""
     several = len(case.every_body) > 1
-    return ({"bodies": "all", "law": "tied"},) if several and any(every_initial) else ()
+    return ({"bodies": "all", "law": "tie"},) if several and any(every_initial) else ()
 
 
 def lines(case: Case) -> list[str]:

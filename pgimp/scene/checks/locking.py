@@ -37,7 +37,7 @@ def locking(case: Case, poisson: Mapping[str, float] | None = None) -> Iterator[
             "locking",
             f"materials.{name}.poisson: {ratio:g} is nearly incompressible, and {_named(bodies)} "
             "will be too stiff, the more so the closer to 0.5 it is (locking); "
-            f"method.volumetric: mean keeps it from that{_boxes(case)}",
+            f"method.volumetric: b-bar keeps it from that{_boxes(case)}",
         )
 
 
@@ -63,7 +63,7 @@ def stripes(case: Case, poisson: Mapping[str, float] | None = None) -> Iterator[
         yield (
             f"materials.{name}: {_named(bodies)} {flow} plastically, where particles of one cell "
             "get different pressures (stripes of stress) and too much strength (locking); "
-            f"method.volumetric: mean keeps it from that{_boxes(case)}"
+            f"method.volumetric: b-bar keeps it from that{_boxes(case)}"
         )
 
 

@@ -28,7 +28,7 @@ def bare(data: dict) -> dict:
     data["time"] = {key: value for key, value in data["time"].items() if key != "step"}
     if not any(set(entry) - {"bodies"} for entry in data.get("contact", ())):
         data.pop("contact", None)
-    keys = ("configuration", "mass", "volumetric")
+    keys = ("formulation", "mass", "volumetric")
     data["bodies"] = {
         name: {key: value for key, value in body.items() if key not in keys}
         for name, body in data["bodies"].items()
@@ -39,14 +39,14 @@ def bare(data: dict) -> dict:
 def named(data: dict, method: dict, contact) -> dict:
     """The bare case with a method, of former defaults elsewhere."""
     method = dict(method)
-    configuration = method.pop("configuration", "current")
+    configuration = method.pop("formulation", "updated-lagrangian")
     count = data["dimensions"]
     found = data | {"format": 1, "time": {"step": {"courant": 0.3}} | data["time"]}
-    found["method"] = {"shape": "gimp", "particles_per_cell": [2] * count, **method}
+    found["method"] = {"shape": "gimp", "particles-per-cell": [2] * count, **method}
     if contact:
         found["contact"] = contact
     found["bodies"] = {
-        name: body if "rigid" in body else {**body, "configuration": configuration}
+        name: body if "rigid" in body else {**body, "formulation": configuration}
         for name, body in data["bodies"].items()
     }
     return found

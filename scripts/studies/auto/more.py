@@ -52,7 +52,7 @@ def _kirsch(run):
 
 def _brazilian(run):
     """Both stresses in the middle by the force, 2 P/(pi D) and three times that."""
-    force, middle = 2.0 * abs(_late(run, "tool.plate.force-y")), run.probes["middle"]
+    force, middle = 2.0 * abs(_late(run, "rigid.plate.force-y")), run.probes["middle"]
     found = [middle[f"stress-{c}"][-16:].mean() * pi / force for c in ("xx", "yy")]
     return float(max(abs(found[0] - 1.0), abs(found[1] / 3.0 + 1.0)))
 
@@ -77,10 +77,10 @@ def _float(run):
 def _wall(run):
     """Rankine's passive force, gamma H^2/2 + 2 c H, on a wall that has moved."""
     history = run.history
-    way = history["tool.wall.displacement-x"]
+    way = history["rigid.wall.displacement-x"]
     late = way > 0.02
     high = 1.0 + way[late].mean() / 5.0
-    return abs(-history["tool.wall.force-x"][late].mean() / (0.5 * high**2 + 2.0 * high) - 1.0)
+    return abs(-history["rigid.wall.force-x"][late].mean() / (0.5 * high**2 + 2.0 * high) - 1.0)
 
 
 def _poiseuille(run):

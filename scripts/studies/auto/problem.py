@@ -7,11 +7,11 @@ from typing import Any, NamedTuple
 METHODS = {
     "former default": {},
     "affine": {"affine": True},
-    "affine, mean": {"affine": True, "volumetric": "mean"},
+    "affine, mean": {"affine": True, "volumetric": "b-bar"},
     "cpdi, affine": {"shape": "cpdi", "affine": True},
     "finite-gimp, affine": {"shape": "finite-gimp", "affine": True},
-    "initial": {"configuration": "initial"},
-    "initial, mean": {"configuration": "initial", "volumetric": "mean"},
+    "initial": {"formulation": "total-lagrangian"},
+    "initial, mean": {"formulation": "total-lagrangian", "volumetric": "b-bar"},
 }
 
 
