@@ -64,7 +64,7 @@ class Body(Model):
 
 def has_means(body: Body, method: Shape) -> bool:
     """Whether a body has mean dilatation."""
-    return (body.volumetric or method.volumetric) == "mean"
+    return (body.volumetric or method.volumetric) == "b-bar"
 
 
 def any_means(case: Any) -> bool:

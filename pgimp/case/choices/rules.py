@@ -158,7 +158,7 @@ VOLUMETRIC: tuple[Rule, ...] = (
         "else, of each body",
         lambda it: True,
         "it does not lock",
-        "a step costs 1.1 to 1.2 times as much with `mean`, of any body",
+        "a step costs 1.1 to 1.2 times as much with `b-bar`, of any body",
         "methods.md#reasons",
     ),
 )
