@@ -18,6 +18,7 @@ from math import inf, sqrt
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.kernels.contact.data import clear_pair
 from pgimp.kernels.contact.impulses.coupling import set_answer
+from pgimp.kernels.contact.impulses.pairs import SIDES
 from pgimp.kernels.contact.impulses.warm_start import kept_acceleration
 from pgimp.kernels.contact.surfaces.held import release_across
 from pgimp.kernels.contact.surfaces.levels import (
@@ -122,7 +123,7 @@ def _set_pair(contact, surface, group, side, law, size, pair):
     end.law = entry
     end.bodies[0], end.bodies[1] = (b, a) if swapped else (a, b)
     end.vertex[0], end.vertex[1] = surface.patch[every[first].facet], b
-    end.vertex[2] = 2 * side  # none is beside another one
+    end.vertex[2] = SIDES + side
     width = max(FADES * cell, FOLLOWS * dt * dt * kept_acceleration(kept, end))
     above = NEAR * cell if tied else level(surface, every, first, last, side, least, width)
     whole, gap, sign = 0.0, above - width, 1.0 if swapped else -1.0
