@@ -73,7 +73,7 @@ class NearRegion:
         there = np.isfinite(ends).all(axis=(0, 2))
         there &= ((ends[0] <= most) | joined).all(axis=1) & ((ends[1] >= -1.0) | joined).all(axis=1)
         cells = np.where(joined, ends[:, there], np.clip(ends[:, there], -1.0, most))
-        cells = cells.astype(np.int64)
+        cells = np.ascontiguousarray(cells.astype(np.int64))
         # Of boxes longer than a period every cell is once.
         cells[1] = np.where(joined, np.minimum(cells[1], cells[0] + periods - 1), cells[1])
         first, last = cells
