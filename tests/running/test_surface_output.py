@@ -85,7 +85,7 @@ def test_wrong_plots_say_what_is_wrong(run, tmp_path, capsys, words, says):
     ("more", "says"),
     [
         ({}, "takes bodies that meet by their surfaces"),
-        ({"configuration": "initial", "surface": "exact"}, "no bodies meet"),
+        ({"formulation": "total-lagrangian", "surface": "exact"}, "no bodies meet"),
     ],
 )
 def test_scenes_without_surfaces_that_meet_are_refused(tmp_path, capsys, more, says):

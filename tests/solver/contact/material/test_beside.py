@@ -14,7 +14,7 @@ def bars(speed, moving):
     v, V = speed * WAVE, moving * WAVE
     end = 0.5 * APART / v + 2.3 * CELLS / WAVE
     bodies = {
-        "a": box([3.0], [3.0 + CELLS], [V + v]) | {"configuration": "initial"},
+        "a": box([3.0], [3.0 + CELLS], [V + v]) | {"formulation": "total-lagrangian"},
         "b": box([3.0 + CELLS + APART], [3.0 + 2 * CELLS + APART], [V - v]),
     }
     cells = int(2 * CELLS + 12 + V * end)
@@ -58,8 +58,8 @@ def test_the_force_between_bars_is_even_as_the_scene_moves():
 
 def pressed(middle, low, high, rise=40.0):
     """Stress over the load, of two blocks on each other between smooth walls."""
-    bodies = {"low": box([0.0, 0.0], [6.0, middle]) | {"configuration": low},
-              "high": box([0.0, middle], [6.0, 7.3]) | {"configuration": high}}  # fmt: skip
+    bodies = {"low": box([0.0, 0.0], [6.0, middle]) | {"formulation": low},
+              "high": box([0.0, middle], [6.0, 7.3]) | {"formulation": high}}  # fmt: skip
     table = [[0.0, 0.0], [0.5 * rise, 1.0], [rise, 1.0]]
     case = scene(2, bodies, cells=[6, 9], end=rise, step={"courant": 0.3}, damping={"mass": 1.0},
                  contact=[{"bodies": "all"}],
@@ -79,6 +79,6 @@ def test_a_block_presses_on_material_evenly(middle, error):
 
     What is left is in rows of cut particles, as the box that carries their stress is whole.
     """
-    low, high = pressed(middle, "current", "initial")
+    low, high = pressed(middle, "updated-lagrangian", "total-lagrangian")
     np.testing.assert_allclose(high, 1.0, atol=2e-4)
     np.testing.assert_allclose(low, 1.0, atol=error)

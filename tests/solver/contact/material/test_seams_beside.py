@@ -6,6 +6,8 @@ from tiers import wide
 
 pytestmark = pytest.mark.slow(40)
 
+TOTAL, UPDATED = "total-lagrangian", "updated-lagrangian"
+
 
 def sliding(shift, kinds, axis, side=12.0):
     """A block with friction on a floor from end to end; `axis` is along the floor."""
@@ -17,8 +19,8 @@ def sliding(shift, kinds, axis, side=12.0):
     parts = [ends] if ends[0] < ends[1] else [(ends[0], side), (0.0, ends[1])]
     boxes = [{"box": {"min": turned(a, 2.0625), "max": turned(b, 4.5625)}} for a, b in parts]
     block = {"material": "soft", "region": boxes[0] if len(boxes) == 1 else {"union": boxes},
-             "velocity": turned(2.0, -1.0), "configuration": kinds[0]}  # fmt: skip
-    floor = box([0.0, 0.0], turned(side, 2.0)) | {"configuration": kinds[1]}
+             "velocity": turned(2.0, -1.0), "formulation": kinds[0]}  # fmt: skip
+    floor = box([0.0, 0.0], turned(side, 2.0)) | {"formulation": kinds[1]}
     name, across = ("x", "y-min") if axis == 0 else ("y", "x-min")
     faces = {f"{name}-min": "periodic", f"{name}-max": "periodic", across: "fixed"}
     case = scene(2, {"block": block, "floor": floor}, cells=turned(12, 7), step=0.02, end=1.5,
@@ -30,8 +32,8 @@ def sliding(shift, kinds, axis, side=12.0):
 
 @pytest.mark.parametrize(
     ("kinds", "axis"),
-    [(("initial", "current"), 0), (("current", "initial"), 0), (("initial", "current"), 1),
-     wide(("current", "initial"), 1)],
+    [((TOTAL, UPDATED), 0), ((UPDATED, TOTAL), 0), ((TOTAL, UPDATED), 1),
+     wide((UPDATED, TOTAL), 1)],
 )  # fmt: skip
 def test_a_block_does_not_feel_where_a_seam_is(kinds, axis):
     """Beside it, cut by it, passing it. To the sweeps' tolerance: patches are in another order."""
@@ -55,7 +57,7 @@ def test_a_slice_of_three_cells_is_as_wide_ones():
     found = []
     for cells in (3, 6):
         bodies = {"low": box([0.0, 0.0], [cells, 4.0]),
-                  "high": box([0.0, 4.0], [cells, 6.5]) | {"configuration": "initial"}}  # fmt: skip
+                  "high": box([0.0, 4.0], [cells, 6.5]) | {"formulation": TOTAL}}  # fmt: skip
         faces = {"x-min": "periodic", "x-max": "periodic", "y-min": "fixed"}
         weight = {"table": [[0.0, [0.0, 0.0]], [5.0, [0.0, -0.5]]]}
         sim = start(scene(
