@@ -19,8 +19,9 @@ from pgimp.physics.contact.pairs import Pairs
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.lagrangian.joint import Joint, merged
 from pgimp.solver.contact.lagrangian.lagrangian import ImpulseContact
+from pgimp.solver.contact.lagrangian.room import Room
 from pgimp.solver.contact.surfaces.at_vertices import ContactAtVertices
-from pgimp.solver.contact.surfaces.contact import Room, SurfaceContact
+from pgimp.solver.contact.surfaces.contact import SurfaceContact
 from pgimp.solver.contact.surfaces.material import NearMaterial
 from pgimp.solver.contact.surfaces.table import Table
 from pgimp.solver.rank_state import RankState
