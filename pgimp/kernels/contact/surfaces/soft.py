@@ -25,10 +25,10 @@ from math import sqrt
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.jit.vectors.rows import load_row, store_row
 from pgimp.kernels.contact.data import impulse_of
-from pgimp.kernels.contact.lagrangian.coupling import Coupling
-from pgimp.kernels.contact.lagrangian.gauss_seidel import load_pair
-from pgimp.kernels.contact.lagrangian.rows import add_impulse
-from pgimp.kernels.contact.lagrangian.warm_start import EXTRAPOLATION, begin_impulses, find_kept
+from pgimp.kernels.contact.impulses.coupling import Coupling
+from pgimp.kernels.contact.impulses.gauss_seidel import load_pair
+from pgimp.kernels.contact.impulses.rows import add_impulse
+from pgimp.kernels.contact.impulses.warm_start import EXTRAPOLATION, begin_impulses, find_kept
 from pgimp.kernels.contact.sliding import sliding_part
 from pgimp.kernels.contact.surfaces.groups import solve_groups
 from pgimp.physics.contact.base import TIED

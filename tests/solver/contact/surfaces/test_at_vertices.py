@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scenes import SOFT, box, energy, finish, scene, start
 
-from pgimp.solver.contact.lagrangian.lagrangian import nothing_held
+from pgimp.solver.contact.impulses.impulse_contact import nothing_held
 
 pytestmark = pytest.mark.slow(30)
 

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from pgimp.kernels.contact.data import PAIR_STATE
-from pgimp.kernels.contact.lagrangian.coupling import Coupling
-from pgimp.kernels.contact.lagrangian.pairs import ENDS, ContactPairs
-from pgimp.kernels.contact.lagrangian.rows import Solved
+from pgimp.kernels.contact.impulses.coupling import Coupling
+from pgimp.kernels.contact.impulses.pairs import ENDS, ContactPairs
+from pgimp.kernels.contact.impulses.rows import Solved
 from pgimp.kernels.contact.surfaces.groups import PREPARED
 from pgimp.kernels.contact.surfaces.levels import GATHERED, NUMBERED
 

@@ -8,8 +8,8 @@ from itertools import product
 import numpy as np
 
 from pgimp.geometry.sweep import close_pairs
-from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
-from pgimp.kernels.contact.lagrangian.reference_grid import FACE_PLANE
+from pgimp.kernels.contact.impulses.pairs import SeparatingWalls
+from pgimp.kernels.contact.impulses.reference_grid import FACE_PLANE
 from pgimp.physics.contact.base import TIED, UNILATERAL
 from pgimp.physics.contact.friction import CoulombParameters, coefficients
 from pgimp.physics.contact.pairs import Pairs
