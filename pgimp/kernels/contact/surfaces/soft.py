@@ -24,10 +24,11 @@ from math import sqrt
 
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.jit.vectors.rows import load_row, store_row
+from pgimp.jit.vectors.simd import lane, pack, vector
 from pgimp.kernels.contact.data import impulse_of
 from pgimp.kernels.contact.impulses.coupling import Coupling
-from pgimp.kernels.contact.impulses.gauss_seidel import load_pair
-from pgimp.kernels.contact.impulses.rows import add_impulse
+from pgimp.kernels.contact.impulses.rigid_ends import free_velocity, is_free
+from pgimp.kernels.contact.impulses.rows import add_impulse, velocity_at
 from pgimp.kernels.contact.impulses.warm_start import EXTRAPOLATION, begin_impulses, find_kept
 from pgimp.kernels.contact.sliding import sliding_part
 from pgimp.kernels.contact.surfaces.groups import solve_groups
@@ -157,10 +158,18 @@ def _own_depth(solved, end, row, one, dt):
 
 @inner_kernel
 def _velocity(contact, contact_pairs, k, coupling, solved):
-    """Velocity of a pair's ends apart, with their compliance, as impulses are."""
-    load_pair(contact, contact_pairs, k, coupling, solved)
-    one, other = contact.fields[1].velocity, contact.fields[0].velocity
-    return (one[0] - other[0], one[1] - other[1], one[2] - other[2])
+    """Velocity of a pair's ends apart, without impulses of its own."""
+    end, rigid, v = contact_pairs.ends[k], contact_pairs.rigid[k], vector(0.0)
+    for side in range(2):
+        r, sign = end.rows[side], 2.0 * side - 1.0
+        if is_free(contact.rigid_bodies, r):
+            w = free_velocity(contact.rigid_bodies, r, rigid)
+            v = sign * pack(w[0], w[1], w[2], 0.0) + v
+            continue
+        v = sign * pack(rigid[side, 0], rigid[side, 1], rigid[side, 2], 0.0) + v
+        if r >= 0:
+            v = sign * velocity_at(r, coupling, solved) + v
+    return (lane(v, 0), lane(v, 1), lane(v, 2))
 
 
 @inner_kernel

@@ -245,7 +245,7 @@ class Depth:
     def note(self, every: np.ndarray, deepest: int, surface: Surface, time: float) -> None:
         """Note the deepest facet of a step, of those near others; below 0 there is none."""
         least = self._found[0][0] if self._found else -MOST * self._cell
-        if deepest >= 0 and every["gap"][deepest] < least:
+        if 0 <= deepest < len(every) and every["gap"][deepest] < least:
             at = every[deepest]
             a, facet = int(at["body"]), int(at["facet"])
             place = tuple(surface.now[facet, : self._D].tolist())
