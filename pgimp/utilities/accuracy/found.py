@@ -27,7 +27,7 @@ Array = np.ndarray
 #: Quantities that the line about the errors of a run names, at most, and of which kinds they are.
 _NAMED = 6
 _ENERGIES = ("kinetic-energy", "strain-energy", "external-work")
-_TELLING = re.compile(r"(reaction|constraint|contact)\..*|tool\..*\.force|probe\..*\.displacement")
+_TELLING = re.compile(r"(reaction|constraint|contact)\..*|rigid\..*\.force|probe\..*\.displacement")
 
 
 class Companions:
