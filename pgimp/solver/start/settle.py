@@ -98,7 +98,9 @@ def begin_settling(start: Start) -> None:
         rate = start.clock.rest_rate if isinstance(start.clock, CourantClock) else inf
         start.clock = settling_clock(start.case, rate)
     if start.watch is None:
-        start.watch = EnergyWatch(start.rate * min(start.scene.domain.frame.cell))
+        start.watch = EnergyWatch(
+            start.rate * min(start.scene.domain.frame.cell), start.case.method.stress
+        )
         if start.rank.slaves:
             start.watch.part = start.rank.slaves.part
             start.watch.shorten(start.clock)
