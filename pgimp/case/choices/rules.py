@@ -140,7 +140,7 @@ MASS: tuple[Rule, ...] = (
     ),
 )
 
-#: Of each body, in a scene; `method.volumetric` is `mean` where any body needs it.
+#: Of each body, in a scene; `method.volumetric` is `b-bar` where any body needs it.
 VOLUMETRIC: tuple[Rule, ...] = (
     Rule(
         "volumetric",

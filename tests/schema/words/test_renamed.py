@@ -239,7 +239,7 @@ def test_the_glossary_has_all_of_them():
     for key, old, new in (("formulation", "initial", "total-lagrangian"), ("law", "tied", "tie"),
                           ("formulation", "current", "updated-lagrangian"),
                           ("volumetric", "mean", "b-bar")):  # fmt: skip
-        assert any(f": {old}` | `{key}: {new}`" in row for row in rows), old
+        assert any(f"{old}` | `{key}: {new}`" in row for row in rows), old
     names = [row.split("`")[1].replace("...", ".x") for row in rows if "columns" in row]
     assert len(names) == len(COLUMNS) == 5
     assert all(new_column(name) != name for name in names)
