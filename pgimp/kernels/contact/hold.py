@@ -25,7 +25,14 @@ from pgimp.kernels.data.ledger import (
     TANGENTIAL_IMPULSE,
 )
 from pgimp.kernels.grid.position_limits import free_part
-from pgimp.kernels.rigid.bodies import BLOCK, RigidBodies, arm_of, find_distance, place_in_lattice, repeat
+from pgimp.kernels.rigid.bodies import (
+    BLOCK,
+    RigidBodies,
+    arm_of,
+    find_distance,
+    place_in_lattice,
+    repeat,
+)
 from pgimp.kernels.transfer.lane_io import take_row
 from pgimp.physics.contact.base import UNILATERAL
 from pgimp.physics.contact.pairs import Pairs

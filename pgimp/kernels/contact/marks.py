@@ -38,7 +38,7 @@ def mark_fields(field, i, marks):
 
 @inner_kernel
 def fields_marked(window, mark, out):
-    """List the fields that may have mass at a vertex with this mark, ascending; returns how many."""
+    """List the fields that a vertex with this mark may have, ascending; returns how many."""
     count, most = 0, field_count(window)
     for first in range(0, most, _BITS):
         left = mark & ((1 << _BITS) - 1)

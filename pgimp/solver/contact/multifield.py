@@ -27,7 +27,14 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.base import NoContact
 from pgimp.solver.contact.free_bodies import FreeBodies
-from pgimp.solver.contact.velocity_fields import MARGIN, assign, body_boxes, neighbours, reach, where_near
+from pgimp.solver.contact.velocity_fields import (
+    MARGIN,
+    assign,
+    body_boxes,
+    neighbours,
+    reach,
+    where_near,
+)
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
 from pgimp.solver.vertex_sums import VertexSums
@@ -126,7 +133,11 @@ class MultifieldContact(NoContact):
     def search(self) -> np.ndarray:
         """See `NoContact.search`: how far bodies have moved since, and where they were."""
         boxes = np.clip(self._boxes, -_EMPTY, _EMPTY)
-        return np.array([*self._moved, *boxes.flat, *[0.0] * 8]) if self.comm.rank == 0 else np.empty(0)
+        return (
+            np.array([*self._moved, *boxes.flat, *[0.0] * 8])
+            if self.comm.rank == 0
+            else np.empty(0)
+        )
 
     def restore_search(self, search: np.ndarray) -> None:
         """See `NoContact.restore_search`."""

@@ -16,13 +16,7 @@ from pgimp.io.checkpoints.checkpointfile import CheckpointFile
 from pgimp.io.checkpoints.checkpointwriter import write
 from pgimp.mpi.comm import Serial
 from pgimp.solver.contact import multifield
-from pgimp.solver.contact.velocity_fields import (
-    MARGIN,
-    assign,
-    body_boxes,
-    neighbours,
-    where_near,
-)
+from pgimp.solver.contact.velocity_fields import MARGIN, assign, body_boxes, neighbours, where_near
 from pgimp.solver.simulation import Simulation
 
 #: Boxes of up to eight bodies in a plane, in cells.
@@ -146,9 +140,7 @@ def assigned_now(sim):
 def boxes_now(rank):
     """Boxes of the bodies where they are now."""
     particles, rows = rank.population.up_to_date(), rank.population.order
-    return body_boxes(
-        rank.scene.domain, particles, rows, len(rank.scene.body_names), rank.comm
-    )
+    return body_boxes(rank.scene.domain, particles, rows, len(rank.scene.body_names), rank.comm)
 
 
 @pytest.mark.parametrize(("speed", "most"), [(0.02, 1), (0.3, 5)])
