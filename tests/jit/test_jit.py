@@ -102,7 +102,7 @@ def test_a_run_says_when_it_compiles(small, python):
 #: What a plain run does not use, and what only compiles.
 UNUSED = {"matplotlib", "meshio", "scipy", "rich", "mpi4py.MPI", "multiprocessing", "ssl",
           "urllib.request", "pgimp.jit.tracing.kernel", "pgimp.utilities",
-          "pgimp.solver.contact.multifield", "pgimp.kernels.contact.lagrangian"}  # fmt: skip
+          "pgimp.solver.contact.multifield", "pgimp.kernels.contact.impulses"}  # fmt: skip
 
 
 def test_a_run_with_kernels_on_disk_imports_only_what_it_uses(small, python):

@@ -177,10 +177,10 @@ import sys
 sys.path.insert(0, sys.argv[1])
 from proofs import bounds
 import numpy as np
-from pgimp.kernels.contact.lagrangian.coupling import Coupling
-from pgimp.kernels.contact.lagrangian.pairs import ContactPairs
-from pgimp.kernels.contact.lagrangian.rows import Solved
-from pgimp.kernels.contact.lagrangian.warm_start import KEPT_FORCE, keep_impulses
+from pgimp.kernels.contact.impulses.coupling import Coupling
+from pgimp.kernels.contact.impulses.pairs import ContactPairs
+from pgimp.kernels.contact.impulses.rows import Solved
+from pgimp.kernels.contact.impulses.warm_start import KEPT_FORCE, keep_impulses
 
 pairs, none = ContactPairs.empty(1), np.empty(0, KEPT_FORCE)
 pairs.states["normal_impulse"] = pairs.states["normal"] = 1.0
@@ -251,7 +251,7 @@ def test_a_failing_scene_is_made_smaller():
     for case in found:
         assert fails(case) and case["dimensions"] <= 2 and len(case["bodies"]) == 1
         optional = ("gravity", "contact", "probes", "tractions", "constraints", "boundaries")
-        assert not any(case.get(key) for key in (*optional, "escape"))
+        assert not any(case.get(key) for key in (*optional, "outflow"))
         assert case["time"]["end"] == case["time"]["step"]
 
 

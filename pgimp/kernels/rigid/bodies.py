@@ -51,7 +51,7 @@ POINT = structure(
 
 #: Impulses on a free rigid body: impulse and moment in the step so far and in the last pass. Then
 #: minus their derivatives by the velocities along and about x, y, z. In place of the derivatives
-#: `pgimp.kernels.contact.lagrangian.gauss_seidel` has the body's own response to both.
+#: `pgimp.kernels.contact.impulses.gauss_seidel` has the body's own response to both.
 RESPONSE = structure(("impulse", "f8", 6), ("trial_impulse", "f8", 6), ("derivative", "f8", (6, 6)))
 
 

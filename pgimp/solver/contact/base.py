@@ -16,7 +16,7 @@ from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import VertexUpdate
 
 if TYPE_CHECKING:
-    from pgimp.kernels.contact.lagrangian.reference_grid import Changes
+    from pgimp.kernels.contact.impulses.reference_grid import Changes
     from pgimp.solver.contact.free_bodies import FreeBodies
 
 

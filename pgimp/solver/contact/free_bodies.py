@@ -171,7 +171,7 @@ class FreeBodies:
     def begin(self, rigid_bodies: RigidBodies, t: Step, gravity: tuple[float, ...]) -> None:
         """Set the velocities without impulses, and the responses to impulses.
 
-        For `pgimp.kernels.contact.lagrangian.gauss_seidel`, where impulses change the velocities
+        For `pgimp.kernels.contact.impulses.gauss_seidel`, where impulses change the velocities
         one by one; `end` then moves the bodies.
         """
         self._set(rigid_bodies, self._begin(rigid_bodies, t, gravity))

@@ -116,7 +116,7 @@ class AveragedMass(StepPart):
 
     def _find_links(self, rank: RankState, images: Sequence[Any], reach: int) -> Links:
         """Find the links that end at vertices that contact moves, and these slaves; collective."""
-        from pgimp.kernels.contact.lagrangian.reference_grid import add_accelerations
+        from pgimp.kernels.contact.impulses.reference_grid import add_accelerations
 
         frame, field, keys = self.scene.domain.frame, rank.grid.field, self._bearing
         slaves, kept = rank.slaves, self._values

@@ -9,11 +9,11 @@ from math import sqrt
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.jit.vectors.rows import load_row, store_row
 from pgimp.jit.vectors.simd import lane, pack, vector
-from pgimp.kernels.contact.lagrangian.books import book_contacts
-from pgimp.kernels.contact.lagrangian.gauss_seidel import apply_impulse, load_pair
-from pgimp.kernels.contact.lagrangian.pairs import ContactPairs
-from pgimp.kernels.contact.lagrangian.rigid_ends import free_velocity, is_free
-from pgimp.kernels.contact.lagrangian.rows import velocity_at
+from pgimp.kernels.contact.impulses.books import book_contacts
+from pgimp.kernels.contact.impulses.gauss_seidel import apply_impulse, load_pair
+from pgimp.kernels.contact.impulses.pairs import ContactPairs
+from pgimp.kernels.contact.impulses.rigid_ends import free_velocity, is_free
+from pgimp.kernels.contact.impulses.rows import velocity_at
 from pgimp.kernels.contact.law import LEAST_GIVEN
 from pgimp.kernels.contact.sliding import sliding_part
 from pgimp.kernels.data.ledger import Ledger

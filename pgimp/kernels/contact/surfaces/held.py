@@ -1,7 +1,7 @@
 """Compliance of patches beside a plane of symmetry, along directions in which this holds them."""
 
 from pgimp.jit.kernel import inner_kernel
-from pgimp.kernels.contact.lagrangian.reference_grid import OF_INVERSE_MASS
+from pgimp.kernels.contact.impulses.reference_grid import OF_INVERSE_MASS
 
 #: Greatest component of a normal across which a patch counts as free, if any vertex is.
 _ASKEW = 0.5

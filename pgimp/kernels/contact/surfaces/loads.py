@@ -14,7 +14,7 @@ from math import sqrt
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.contact.books import losses_of
 from pgimp.kernels.contact.data import impulse_of
-from pgimp.kernels.contact.lagrangian.gauss_seidel import load_pair
+from pgimp.kernels.contact.impulses.gauss_seidel import load_pair
 from pgimp.kernels.contact.surfaces.data import turns
 from pgimp.kernels.contact.surfaces.levels import end_of_patch, entry_of
 from pgimp.kernels.contact.surfaces.pressed import pressing

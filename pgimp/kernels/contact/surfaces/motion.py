@@ -5,7 +5,7 @@ from math import sqrt
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.jit.vectors.rows import load_row, store_row
 from pgimp.jit.vectors.simd import lane, pack, vector
-from pgimp.kernels.contact.lagrangian.reference_grid import read_reference_vertices
+from pgimp.kernels.contact.impulses.reference_grid import read_reference_vertices
 from pgimp.kernels.data.motion import DISPLACEMENT
 from pgimp.kernels.data.record import RECORD
 

@@ -17,8 +17,8 @@ from math import inf, sqrt
 
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.kernels.contact.data import clear_pair
-from pgimp.kernels.contact.lagrangian.coupling import set_answer
-from pgimp.kernels.contact.lagrangian.warm_start import kept_acceleration
+from pgimp.kernels.contact.impulses.coupling import set_answer
+from pgimp.kernels.contact.impulses.warm_start import kept_acceleration
 from pgimp.kernels.contact.surfaces.held import release_across
 from pgimp.kernels.contact.surfaces.levels import (
     FADES,

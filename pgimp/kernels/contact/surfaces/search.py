@@ -253,7 +253,7 @@ def find_meeting(surface, acts, some, bins, reach, marks, best, every):
 def keys_of_vertices(bits, numbers, keys):
     """Set the keys of vertices, given numbers along x, y, z and field, (n, 4) int64.
 
-    `bits` are of a key, see `pgimp.kernels.contact.lagrangian.reference_grid.key_bits`.
+    `bits` are of a key, see `pgimp.kernels.contact.impulses.reference_grid.key_bits`.
     """
     for n in range(len(keys)):
         key = (numbers[n, 0] << bits[0]) + numbers[n, 1]

@@ -24,9 +24,9 @@ from math import sqrt
 
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.contact.data import impulse_of
-from pgimp.kernels.contact.lagrangian.gauss_seidel import load_pair
-from pgimp.kernels.contact.lagrangian.rows import add_impulse
-from pgimp.kernels.contact.lagrangian.warm_start import EXTRAPOLATION, find_kept
+from pgimp.kernels.contact.impulses.gauss_seidel import load_pair
+from pgimp.kernels.contact.impulses.rows import add_impulse
+from pgimp.kernels.contact.impulses.warm_start import EXTRAPOLATION, find_kept
 from pgimp.kernels.contact.sliding import sliding_part
 from pgimp.physics.contact.base import TIED
 

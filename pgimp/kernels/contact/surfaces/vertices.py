@@ -10,7 +10,7 @@ from math import inf
 from pgimp.jit.kernel import inlined, inner_kernel, kernel
 from pgimp.kernels.contact.data import clear_field
 from pgimp.kernels.contact.gap import find_pairs
-from pgimp.kernels.contact.lagrangian.reference_grid import depth, key_bits, key_of_vertex
+from pgimp.kernels.contact.impulses.reference_grid import depth, key_bits, key_of_vertex
 from pgimp.kernels.contact.select import clear_range, include
 from pgimp.kernels.contact.vertex_list import find_fields
 from pgimp.kernels.data.record import MASS

@@ -10,9 +10,9 @@ from pgimp.decomposition.grid import Grid
 from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import marked, needed
 from pgimp.kernels.contact.data import Contact
-from pgimp.kernels.contact.lagrangian.coupling import Coupling
-from pgimp.kernels.contact.lagrangian.pairs import ContactPairs, SeparatingWalls
-from pgimp.kernels.contact.lagrangian.reference_grid import (
+from pgimp.kernels.contact.impulses.coupling import Coupling
+from pgimp.kernels.contact.impulses.pairs import ContactPairs, SeparatingWalls
+from pgimp.kernels.contact.impulses.reference_grid import (
     REFERENCE_VERTEX,
     ReferenceVertices,
     read_reference_vertices,
@@ -24,7 +24,7 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.physics.contact.pairs import Pairs
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.grown import grown
-from pgimp.solver.contact.lagrangian.joint import Joint, join
+from pgimp.solver.contact.impulses.joint import Joint, join
 from pgimp.solver.contact.multifield import near_vertices
 from pgimp.solver.particle_groups import groups_of
 from pgimp.solver.rank_state import RankState

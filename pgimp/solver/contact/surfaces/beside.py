@@ -9,16 +9,16 @@ from __future__ import annotations
 import numpy as np
 
 from pgimp.jit.rehearsal import needed
-from pgimp.kernels.contact.lagrangian.coupling import Coupling
-from pgimp.kernels.contact.lagrangian.pairs import ContactPairs
-from pgimp.kernels.contact.lagrangian.rows import Solved
+from pgimp.kernels.contact.impulses.coupling import Coupling
+from pgimp.kernels.contact.impulses.pairs import ContactPairs
+from pgimp.kernels.contact.impulses.rows import Solved
 from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.contact.pairs import Pairs
 from pgimp.scene.scene import Scene
-from pgimp.solver.contact.lagrangian.joint import Joint, merged
-from pgimp.solver.contact.lagrangian.lagrangian import ImpulseContact
+from pgimp.solver.contact.impulses.impulse_contact import ImpulseContact
+from pgimp.solver.contact.impulses.joint import Joint, merged
 from pgimp.solver.contact.surfaces.at_vertices import ContactAtVertices
 from pgimp.solver.contact.surfaces.contact import Room, SurfaceContact
 from pgimp.solver.contact.surfaces.material import NearMaterial

@@ -12,7 +12,7 @@ from pgimp.geometry.regions.box import Box
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.bodies.lattice_body import LatticeBody
 from pgimp.scene.bodies.volume_fractions import VolumeFractions
-from pgimp.solver.contact.lagrangian.messages import greatest, total, united
+from pgimp.solver.contact.impulses.messages import greatest, total, united
 from pgimp.solver.rank_state import RankState
 
 #: Part of a box by which particles on a lattice of their own are off it, at most.

@@ -8,7 +8,7 @@ import numpy as np
 
 from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
-from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
+from pgimp.kernels.contact.impulses.pairs import SeparatingWalls
 from pgimp.kernels.contact.surfaces.data import no_facets
 from pgimp.kernels.contact.surfaces.search import (
     bound_clusters,

@@ -12,16 +12,16 @@ import numpy as np
 
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.data import Contact
-from pgimp.kernels.contact.lagrangian.books import book_held
-from pgimp.kernels.contact.lagrangian.coupling import Coupling
-from pgimp.kernels.contact.lagrangian.pairs import ContactPairs
-from pgimp.kernels.contact.lagrangian.reference_grid import (
+from pgimp.kernels.contact.impulses.books import book_held
+from pgimp.kernels.contact.impulses.coupling import Coupling
+from pgimp.kernels.contact.impulses.pairs import ContactPairs
+from pgimp.kernels.contact.impulses.reference_grid import (
     REFERENCE_VERTEX,
     Changes,
     ReferenceVertices,
     change_velocities,
 )
-from pgimp.kernels.contact.lagrangian.rows import Solved
+from pgimp.kernels.contact.impulses.rows import Solved
 from pgimp.kernels.contact.surfaces.data import Surface, SurfaceCells, no_facets
 from pgimp.kernels.contact.surfaces.gaps import find_gaps
 from pgimp.kernels.contact.surfaces.groups import book_groups
@@ -35,9 +35,9 @@ from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.base import NoContact
-from pgimp.solver.contact.lagrangian.joint import Joint
-from pgimp.solver.contact.lagrangian.lagrangian import ImpulseContact, flat, nothing_held
-from pgimp.solver.contact.lagrangian.messages import greatest
+from pgimp.solver.contact.impulses.impulse_contact import ImpulseContact, flat, nothing_held
+from pgimp.solver.contact.impulses.joint import Joint
+from pgimp.solver.contact.impulses.messages import greatest
 from pgimp.solver.contact.surfaces.groups import (
     Grouped,
     add_books,

@@ -6,12 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pgimp.kernels.contact.lagrangian.pairs import ContactPairs
-from pgimp.kernels.contact.lagrangian.reference_grid import Changes
+from pgimp.kernels.contact.impulses.pairs import ContactPairs
+from pgimp.kernels.contact.impulses.reference_grid import Changes
 from pgimp.kernels.data.ledger import Ledger
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
-from pgimp.solver.contact.lagrangian.messages import swap_parts, total
+from pgimp.solver.contact.impulses.messages import swap_parts, total
 
 #: What groups book, by plane.
 _BOOKED = ("work", "impulse", "wall_energy", "contact", "rigid_bodies", "contact_moments")

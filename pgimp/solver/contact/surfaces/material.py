@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pgimp.jit.rehearsal import needed
-from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
-from pgimp.kernels.contact.lagrangian.reference_grid import (
+from pgimp.kernels.contact.impulses.pairs import SeparatingWalls
+from pgimp.kernels.contact.impulses.reference_grid import (
     REFERENCE_VERTEX,
     ReferenceVertices,
     read_reference_vertices,
@@ -36,7 +36,7 @@ from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.grown import grown
-from pgimp.solver.contact.lagrangian.messages import greatest, united
+from pgimp.solver.contact.impulses.messages import greatest, united
 from pgimp.solver.contact.surfaces.proximity import LONGEST, TRAVEL, Near, Proximity
 from pgimp.solver.contact.surfaces.table import Table, bits_of, records_of
 from pgimp.solver.rank_state import RankState

@@ -8,7 +8,7 @@ import numpy as np
 
 from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
-from pgimp.kernels.contact.lagrangian.pairs import SeparatingWalls
+from pgimp.kernels.contact.impulses.pairs import SeparatingWalls
 from pgimp.kernels.contact.surfaces.data import Surface, SurfaceCells, no_facets
 from pgimp.kernels.contact.surfaces.gaps import FARTHEST
 from pgimp.kernels.contact.surfaces.motion import move_facets
@@ -17,7 +17,7 @@ from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_VELOCITY
 from pgimp.kernels.data.record import RECORD
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
-from pgimp.solver.contact.lagrangian.messages import greatest, swap
+from pgimp.solver.contact.impulses.messages import greatest, swap
 from pgimp.solver.contact.surfaces.candidates import (
     boxes_of,
     find_candidates,

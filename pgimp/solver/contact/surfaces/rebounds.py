@@ -10,7 +10,7 @@ import numpy as np
 
 from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
-from pgimp.kernels.contact.lagrangian.pairs import ContactPairs
+from pgimp.kernels.contact.impulses.pairs import ContactPairs
 from pgimp.kernels.contact.surfaces.rebounds import COLUMNS, find_gains, find_rebounds
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.surfaces.groups import Grouped

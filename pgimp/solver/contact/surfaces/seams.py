@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pgimp.geometry.sweep import close_pairs
-from pgimp.kernels.contact.lagrangian.reference_grid import Changes
+from pgimp.kernels.contact.impulses.reference_grid import Changes
 from pgimp.kernels.contact.surfaces.data import Surface
 from pgimp.kernels.data.frame import Frame
 from pgimp.physics.rigid import RigidBody

@@ -22,7 +22,7 @@ from pgimp.scene.bodies.surface_patches import Facets
 from pgimp.scene.bodies.surfaces.boxes import Closed, distinct
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.grown import grown
-from pgimp.solver.contact.lagrangian.messages import united
+from pgimp.solver.contact.impulses.messages import united
 from pgimp.solver.contact.surfaces.box_bodies import boxes_of
 from pgimp.solver.contact.surfaces.divided import Ends, all_facets
 from pgimp.solver.contact.surfaces.seams import closed_faces, one_period, places_with_images
@@ -166,7 +166,7 @@ def _rigid_bodies(scene: Scene) -> list[LatticeBody]:
 
 
 def bits_of(frame: object, fields: int) -> tuple[int, int, int]:
-    """See `pgimp.kernels.contact.lagrangian.reference_grid.key_bits`."""
+    """See `pgimp.kernels.contact.impulses.reference_grid.key_bits`."""
     most = (*frame.vertices, 1, 1)[1:3]  # type: ignore[attr-defined]
     return (*((int(n) - 1).bit_length() for n in most), (fields - 1).bit_length())  # type: ignore
 

@@ -7,7 +7,7 @@ import pytest
 
 from pgimp.physics.contact.base import TIED
 from pgimp.physics.contact.pairs import ContactEntry, Pairs
-from pgimp.solver.contact.lagrangian.bonds import bonded
+from pgimp.solver.contact.impulses.bonds import bonded
 
 
 def random_pairs(rng, count):

@@ -15,8 +15,8 @@ inverse mass sum_j B_ij^2/m_j. Impulses accumulate, and the law holds for the ac
 from pgimp.jit.kernel import inlined, inner_kernel
 from pgimp.jit.vectors.simd import lane
 from pgimp.kernels.contact.data import impulse_of
-from pgimp.kernels.contact.lagrangian.rigid_ends import load_rigid, push_rigid
-from pgimp.kernels.contact.lagrangian.rows import add_impulse, velocity_at
+from pgimp.kernels.contact.impulses.rigid_ends import load_rigid, push_rigid
+from pgimp.kernels.contact.impulses.rows import add_impulse, velocity_at
 
 
 @inner_kernel

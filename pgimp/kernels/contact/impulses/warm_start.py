@@ -9,7 +9,7 @@ from math import inf
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.jit.memory import structure
 from pgimp.kernels.contact.data import impulse_of
-from pgimp.kernels.contact.lagrangian.gauss_seidel import apply_impulse, load_pair
+from pgimp.kernels.contact.impulses.gauss_seidel import apply_impulse, load_pair
 from pgimp.kernels.contact.law import LEAST_GIVEN
 from pgimp.physics.contact.base import TIED
 

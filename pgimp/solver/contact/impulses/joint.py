@@ -7,11 +7,11 @@ from typing import NamedTuple
 import numpy as np
 
 from pgimp.kernels.contact.data import PAIR_STATE
-from pgimp.kernels.contact.lagrangian.coupling import Coupling
-from pgimp.kernels.contact.lagrangian.pairs import ENDS, ContactPairs
-from pgimp.kernels.contact.lagrangian.reference_grid import REFERENCE_VERTEX, ReferenceVertices
+from pgimp.kernels.contact.impulses.coupling import Coupling
+from pgimp.kernels.contact.impulses.pairs import ENDS, ContactPairs
+from pgimp.kernels.contact.impulses.reference_grid import REFERENCE_VERTEX, ReferenceVertices
 from pgimp.mpi.communicator import Communicator
-from pgimp.solver.contact.lagrangian.messages import swap
+from pgimp.solver.contact.impulses.messages import swap
 
 
 class Joint(NamedTuple):

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.jit.vectors.rows import load_row, store_row
 from pgimp.jit.vectors.simd import bits, pack, vector, where
-from pgimp.kernels.contact.lagrangian.coupling import Coupling
-from pgimp.kernels.contact.lagrangian.reference_grid import OF_INVERSE_MASS
+from pgimp.kernels.contact.impulses.coupling import Coupling
+from pgimp.kernels.contact.impulses.reference_grid import OF_INVERSE_MASS
 from pgimp.kernels.data.particles import FloatArray
 
 

@@ -8,10 +8,10 @@ import numpy as np
 
 from pgimp.jit.bound import Bound
 from pgimp.kernels.contact.data import Contact
-from pgimp.kernels.contact.lagrangian.coupling import Coupling
-from pgimp.kernels.contact.lagrangian.pairs import ContactPairs
-from pgimp.kernels.contact.lagrangian.rows import Solved
-from pgimp.kernels.contact.lagrangian.warm_start import KEPT_FORCE, begin_impulses, keep_impulses
+from pgimp.kernels.contact.impulses.coupling import Coupling
+from pgimp.kernels.contact.impulses.pairs import ContactPairs
+from pgimp.kernels.contact.impulses.rows import Solved
+from pgimp.kernels.contact.impulses.warm_start import KEPT_FORCE, begin_impulses, keep_impulses
 from pgimp.mpi.communicator import Communicator
 
 #: Numbers of a kept force: vertex, bodies, force, its change, and an acceleration.

@@ -7,7 +7,7 @@ import numpy as np
 from pgimp.jit.kernel import inner_kernel
 from pgimp.jit.vectors.rows import load_row
 from pgimp.jit.vectors.simd import lane, vector, where
-from pgimp.kernels.contact.lagrangian.reference_grid import OF_INVERSE_MASS
+from pgimp.kernels.contact.impulses.reference_grid import OF_INVERSE_MASS
 from pgimp.kernels.data.particles import FloatArray, IntArray
 
 #: Least part of the squares of a row of B at free vertices. Below it the few free vertices would

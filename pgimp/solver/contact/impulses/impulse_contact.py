@@ -9,11 +9,11 @@ import numpy as np
 from pgimp.jit.bound import Bound
 from pgimp.kernels.contact.colouring import bound_bodies
 from pgimp.kernels.contact.data import Contact
-from pgimp.kernels.contact.lagrangian.books import book_contacts
-from pgimp.kernels.contact.lagrangian.coupling import Coupling
-from pgimp.kernels.contact.lagrangian.pairs import ContactPairs
-from pgimp.kernels.contact.lagrangian.reference_grid import NUMBERS, Changes, ReferenceVertices
-from pgimp.kernels.contact.lagrangian.rows import Solved, begin_solution
+from pgimp.kernels.contact.impulses.books import book_contacts
+from pgimp.kernels.contact.impulses.coupling import Coupling
+from pgimp.kernels.contact.impulses.pairs import ContactPairs
+from pgimp.kernels.contact.impulses.reference_grid import NUMBERS, Changes, ReferenceVertices
+from pgimp.kernels.contact.impulses.rows import Solved, begin_solution
 from pgimp.kernels.contact.surfaces.groups import PREPARED, find_changed, solve_groups
 from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.grid.conditions import Holding
@@ -21,9 +21,9 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.base import NoContact
 from pgimp.solver.contact.free_bodies import FreeBodies
-from pgimp.solver.contact.lagrangian.bonds import bonded, separating_walls, with_walls
-from pgimp.solver.contact.lagrangian.joint import Joint
-from pgimp.solver.contact.lagrangian.kept_forces import KeptForces
+from pgimp.solver.contact.impulses.bonds import bonded, separating_walls, with_walls
+from pgimp.solver.contact.impulses.joint import Joint
+from pgimp.solver.contact.impulses.kept_forces import KeptForces
 from pgimp.solver.lagrangian.masters import REACH as MASTERS_AWAY
 from pgimp.solver.rank_state import RankState
 
