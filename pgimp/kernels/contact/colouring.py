@@ -69,6 +69,27 @@ def find_neighbours(boxes, wide, axis, order, pairs):
 
 
 @kernel
+def find_margin(boxes, reach, most, axis, order, fields):
+    """Half of what is between bodies of one field beyond a distance, in cells.
+
+    Parameters
+    ----------
+    boxes, axis, order
+        See `find_neighbours`.
+    reach, most : float
+        The distance; the greatest margin that counts.
+    fields : (bodies,) int64
+        The bodies' fields.
+    """
+    margin = most
+    for n in range(len(order)):
+        for m in range(n + 1, _end(boxes, axis, order, n, 2.0 * margin + reach)):
+            if fields[order[n]] == fields[order[m]]:
+                margin = min(margin, 0.5 * (_distance(boxes, order[n], order[m]) - reach))
+    return margin
+
+
+@kernel
 def colour_bodies(pairs, scratch, fields):
     """Set the fields: each body gets the lowest one that no body near it with a lower number has.
 

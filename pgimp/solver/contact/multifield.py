@@ -9,6 +9,7 @@ import numpy as np
 
 from pgimp.decomposition.grid import Grid
 from pgimp.decomposition.population import Population
+from pgimp.errors import DamagedError
 from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import marked, needed
 from pgimp.kernels.contact.colouring import find_excursion
@@ -31,7 +32,7 @@ from pgimp.solver.contact.velocity_fields import (
     MARGIN,
     assign,
     body_boxes,
-    neighbours,
+    margin_of,
     reach,
     where_near,
 )
@@ -77,8 +78,8 @@ class MultifieldContact(NoContact):
         self.free = FreeBodies(scene, comm) if scene.interaction.rigid_bodies.free else None
         self._reach = reach(scene)
         self._boxes = np.empty((2, 0, scene.dimension))  # of the last search, or of none so far
-        self._moved = [0.0, 0.0]
-        self._taken = self._noted = 0
+        self._margin, self._moved = MARGIN, [0.0, 0.0]  # how far they may move, and have moved
+        self._taken = self._noted = 0  # steps since then, and those of which ranks have heard
         self._intervals = np.empty((0, 2))
         self._where: Any = None
         self._rows = np.empty(0, np.int32)
@@ -92,10 +93,11 @@ class MultifieldContact(NoContact):
     def assign_fields(self, rank: RankState) -> None:
         """See `NoContact.assign_fields`; when bodies may have left their margins.
 
-        Ranks that wait for each other know of one step more. No rank makes use of that.
+        Ranks that wait for each other have heard of one step more. No rank makes use of that.
         """
-        known = self._moved[0 if self._noted == self._taken else 1]
-        if self._boxes.shape[1] and known + 1.0 <= MARGIN:
+        last = (self._taken - 1) // self._every * self._every
+        known = self._moved[0 if self._noted // self._every * self._every > last else 1]
+        if self._boxes.shape[1] and known + self._taken - max(last, 0) <= self._margin:
             return
         self._moved, self._taken, self._noted = [0.0, 0.0], 0, self._noted - self._taken
         population, count = rank.population, len(self.fields)
@@ -106,22 +108,30 @@ class MultifieldContact(NoContact):
 
     def _share(self, rank: RankState, fields: tuple[int, ...] = ()) -> None:
         """Use given fields, or those for the boxes of the bodies, until the next search."""
-        pairs = neighbours(self._boxes, self._reach)
-        self.fields = fields or assign(len(self.fields), pairs)
-        self._intervals, self._where = where_near(self._boxes, pairs, self._reach), None
+        self.fields = fields or assign(self._boxes, self._reach)
+        self._margin = margin_of(self._boxes, self._reach, self.fields)
+        wide = 2.0 * self._margin + self._reach
+        self._intervals, self._where = where_near(self._boxes, wide, self.fields), None
         if self.fields != rank.grid.fields:
             rank.grid.regroup(self.fields)
 
+    @property
+    def _every(self) -> int:
+        """Steps from one look at how far bodies have moved to the next."""
+        return max(int(0.5 * self._margin), 1)
+
     def excursion(self, rank: RankState) -> float:
-        """See `NoContact.excursion`."""
+        """See `NoContact.excursion`; 0 in steps without a look."""
         p, rows = rank.population.up_to_date(), rank.population.order
         self._taken += 1
+        if not needed(self._taken % self._every == 0):
+            return 0.0
         return self.call(find_excursion, self.scene.domain.frame, p.x, p.body, rows, self._boxes)
 
     def note_excursion(self, greatest: float) -> None:
         """See `NoContact.note_excursion`; that of a step before the last search is of no use."""
         self._noted += 1
-        if self._noted > 0:
+        if self._noted > 0 and self._noted % self._every == 0:
             self._moved = [self._moved[1], greatest]
 
     @property
@@ -131,19 +141,21 @@ class MultifieldContact(NoContact):
 
     @property
     def search(self) -> np.ndarray:
-        """See `NoContact.search`: how far bodies have moved since, and where they were."""
+        """See `NoContact.search`: how far bodies have moved, in how many steps, and from where."""
         boxes = np.clip(self._boxes, -_EMPTY, _EMPTY)
         return (
-            np.array([*self._moved, *boxes.flat, *[0.0] * 8])
+            np.array([*self._moved, self._taken, *boxes.flat, *[0.0] * 8])
             if self.comm.rank == 0
             else np.empty(0)
         )
 
     def restore_search(self, search: np.ndarray) -> None:
         """See `NoContact.restore_search`."""
-        boxes = search[2:-8]
-        self._moved = search[:2].tolist()
-        self._boxes = boxes.reshape(2, -1, self.scene.dimension).copy()
+        if len(search) != 11 + 2 * len(self.fields) * self.scene.dimension:
+            raise DamagedError("its search for contact is of other bodies")
+        self._moved, self._taken = search[:2].tolist(), int(search[2])
+        self._noted = self._taken
+        self._boxes = search[3:-8].reshape(2, len(self.fields), -1).copy()
 
     def restore(self, rank: RankState, assignment: np.ndarray) -> None:
         """See `NoContact.restore`; after `restore_search`."""

@@ -18,7 +18,7 @@ from pgimp.physics.fields import ALWAYS
 from pgimp.scene.bodies.extent import Extent, points
 from pgimp.scene.bodies.lattice_body import _SLAB
 from pgimp.scene.scene import Scene
-from pgimp.solver.contact.velocity_fields import assign, neighbours, reach
+from pgimp.solver.contact.velocity_fields import assign, reach
 
 #: Further memory of a process after its start: kernels, HDF5, buffers of MPI.
 BASE = 100_000_000
@@ -86,8 +86,7 @@ def _fields(scene: Scene, bodies: list[Extent]) -> float:
         return 1
     per_cell = np.array(scene.case.method.particles_per_cell)
     ends = [np.array([getattr(body, end) for body in bodies]) / per_cell for end in ("low", "high")]
-    near = neighbours(np.stack(ends), reach(scene))
-    fields = 1 + max(assign(len(bodies), near))
+    fields = 1 + max(assign(np.stack(ends), reach(scene)))
     return fields * (2 if fields > 1 or scene.interaction.rigid_bodies else 1)
 
 

@@ -16,7 +16,14 @@ from pgimp.io.checkpoints.checkpointfile import CheckpointFile
 from pgimp.io.checkpoints.checkpointwriter import write
 from pgimp.mpi.comm import Serial
 from pgimp.solver.contact import multifield
-from pgimp.solver.contact.velocity_fields import MARGIN, assign, body_boxes, neighbours, where_near
+from pgimp.solver.contact.velocity_fields import (
+    MARGIN,
+    MOST,
+    assign,
+    body_boxes,
+    margin_of,
+    where_near,
+)
 from pgimp.solver.simulation import Simulation
 
 #: Boxes of up to eight bodies in a plane, in cells.
@@ -33,8 +40,8 @@ def test_bodies_that_share_a_field_cannot_meet(bodies, reach):
     """Not before the next search, if both move by the margin towards each other."""
     table = np.array(bodies)
     boxes = np.stack([table[:, :2], table[:, :2] + table[:, 2:]])
-    pairs = neighbours(boxes, reach)
-    fields = assign(len(bodies), pairs)
+    wide, fields = 2.0 * MARGIN + reach, assign(boxes, reach)
+    assert MARGIN <= margin_of(boxes, reach, fields) <= MOST
     for a in range(len(bodies)):
         for b in range(a):
             apart = max(
@@ -46,7 +53,7 @@ def test_bodies_that_share_a_field_cannot_meet(bodies, reach):
     # No field is left out, and one is enough for bodies that are far apart.
     assert set(fields) == set(range(max(fields) + 1))
     # In which planes those of different fields may share vertices meanwhile.
-    ends, far = where_near(boxes, pairs, reach), MARGIN + 0.5 * reach
+    ends, far = where_near(boxes, wide, fields), 0.5 * wide
     for plane in np.arange(-80.0, 150.0, 1.7):
         for a in range(len(bodies)):
             for b in range(a):
@@ -90,10 +97,10 @@ def test_fields_of_hundreds_of_bodies_are_those_of_numpy(seed):
     empty = random.random(count) < 0.1
     boxes[0, empty], boxes[1, empty] = np.inf, -np.inf
     reach = float(random.uniform(2.0, 4.0))
-    pairs = neighbours(boxes, reach)
     fields, ends = plain_fields(boxes, reach)
-    assert assign(count, pairs) == fields
-    np.testing.assert_array_equal(ordered(where_near(boxes, pairs, reach)), ordered(ends))
+    assert assign(boxes, reach) == fields
+    found = where_near(boxes, 2.0 * MARGIN + reach, fields)
+    np.testing.assert_array_equal(ordered(found), ordered(ends))
 
 
 def test_bodies_apart_share_a_field():
@@ -133,8 +140,7 @@ def falling(end, **parts):
 def assigned_now(sim):
     """The fields that bodies would have where they are now."""
     contact = sim.rank.contact
-    boxes = boxes_now(sim.rank)
-    return assign(boxes.shape[1], neighbours(boxes, contact._reach))
+    return assign(boxes_now(sim.rank), contact._reach)
 
 
 def boxes_now(rank):
@@ -146,13 +152,13 @@ def boxes_now(rank):
 @pytest.mark.parametrize(("speed", "most"), [(0.02, 1), (0.3, 5)])
 def test_bodies_of_a_field_are_apart_in_every_step(monkeypatch, speed, most):
     """Slow ones, for which there are few searches, and ones as fast as steps allow."""
-    usual, searches = multifield.neighbours, []
+    usual, searches = multifield.assign, []
 
     def look(boxes, reach):
         searches.append(len(searches))
         return usual(boxes, reach)
 
-    monkeypatch.setattr(multifield, "neighbours", look)
+    monkeypatch.setattr(multifield, "assign", look)
     case = falling(0.1)
     case["time"]["step"] = 1e-3
     case["grid"] |= {"origin": [0.0, -5.0], "size": [15.0, 27.0]}
@@ -188,8 +194,8 @@ def test_the_order_of_the_fields_matters(monkeypatch, count, most):
     found = []
     for turned in (False, True):
 
-        def numbered(count, pairs, turned=turned):
-            fields = assign(count, pairs)
+        def numbered(boxes, reach, turned=turned):
+            fields = assign(boxes, reach)
             return tuple(max(fields) - f if turned else f for f in fields)
 
         monkeypatch.setattr(multifield, "assign", numbered)
