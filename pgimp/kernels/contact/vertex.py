@@ -4,9 +4,9 @@ from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.kernels.contact.books import book
 from pgimp.kernels.contact.data import SWEEPS
 from pgimp.kernels.contact.law import exchange, find_held
-from pgimp.kernels.contact.marks import has_several, mark_fields
 from pgimp.kernels.contact.select import clear_range, include
 from pgimp.kernels.contact.vertex_list import load_vertex, vertex_number
+from pgimp.kernels.data.field_marks import has_several, mark_fields
 from pgimp.kernels.data.record import ACCELERATION, MOMENTUM, VELOCITY
 from pgimp.kernels.data.used_rows import next_rows, rows_with
 from pgimp.kernels.grid.conditions import Holding

@@ -6,7 +6,6 @@ from typing import Any, NamedTuple
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.kernels.contact.gap import find_pairs
 from pgimp.kernels.contact.listed import FIELDS, PAIRS, VERTICES
-from pgimp.kernels.contact.marks import fields_marked, has_several, mark_fields
 from pgimp.kernels.contact.rigid_fields import (
     has_rigid_bodies,
     load_rigid_bodies,
@@ -15,6 +14,7 @@ from pgimp.kernels.contact.rigid_fields import (
 )
 from pgimp.kernels.contact.volumes import VOLUME_CORRECTION
 from pgimp.kernels.data.arguments import Field
+from pgimp.kernels.data.field_marks import fields_marked, has_several, mark_fields
 from pgimp.kernels.data.frame import Frame
 from pgimp.kernels.data.record import FORCE, MASS, MOMENTUM, VELOCITY
 from pgimp.kernels.data.used_rows import next_rows, rows_with
