@@ -227,3 +227,5 @@ def test_a_check_tells_of_the_companions_and_of_a_wrong_column(folder, capsys):
     assert "note: body 'left' is 1.5 cells across" in out
     assert main([*words, "accuracy={of: stain-energy, within: 5 %}"]) == 2
     assert "accuracy.of: unknown column 'stain-energy'; did you mean" in capsys.readouterr().err
+    assert main([*words, "accuracy={of: time, within: 5 %}"]) == 2
+    assert "accuracy.of: time has no error of its own" in capsys.readouterr().err
