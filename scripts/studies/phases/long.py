@@ -28,16 +28,14 @@ def _block(method, velocity=0.0, materials=SOLID, steps=STEPS):
     return sim, sim.particles.x[sim.live()] - low - 0.5 * sides
 
 
-def _kept(sim, look=vibration):
-    """Energy in the last tenth of the time over that of the first steps, and over its first tenth.
-
-    None where the run fails.
-    """
-    seen = watched(sim, look, LOOKS)
+def _kept(sim, since=0):
+    """Energy in the last tenth of the time over that at the start, or in a later tenth."""
+    seen = watched(sim, vibration, LOOKS)
     if seen is None:
         return None
     part = len(seen) // 10
-    return seen[-part:].mean() / seen[:part].mean()
+    first = seen[since * part : (since + 1) * part].mean() if since else seen[0]
+    return seen[-part:].mean() / first
 
 
 def wave(method, velocity=0.0, steps=STEPS):
@@ -54,7 +52,7 @@ def wave(method, velocity=0.0, steps=STEPS):
 
 
 def bends(method, velocity=0.0, materials=SOLID, steps=STEPS):
-    """A block that bends: part of its energy that is left; of metal after it has yielded."""
+    """A block that bends: part of its energy that is left; of metal, since it has yielded."""
     sim, x = _block(method, velocity, materials, steps)
     k, size = np.pi / 6.0, 0.05
     v, L = np.zeros(x.shape), np.zeros((len(x), 2, 2))
@@ -63,7 +61,7 @@ def bends(method, velocity=0.0, materials=SOLID, steps=STEPS):
     v -= np.average(v, axis=0, weights=sim.particles.m[sim.live()])  # some particles are cut
     v[:, 0] += velocity
     throw(sim, v, L)
-    return _kept(sim)
+    return _kept(sim, materials is METAL)
 
 
 def turns(method, steps=STEPS):
