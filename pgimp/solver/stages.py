@@ -231,7 +231,7 @@ def _booked(scene: Scene) -> tuple[list[Hashable], ...]:
 
 def _placed(scene: Scene, contact: list[Hashable]) -> list[Hashable]:
     """Names of the rows of `Ledger.contact_moments`."""
-    places = PLACES * scene.settings.initial
+    places = PLACES * scene.settings.by_vertex
     return [(name, row) for name in contact for row in range(places)]
 
 
