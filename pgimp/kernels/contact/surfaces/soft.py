@@ -206,8 +206,9 @@ def soften(contact, kept, contact_pairs, coupling, solved, sizes, scratch):
     solved : Solved
         After `begin_solution`; `soft` is set, and masses are changed.
     sizes : (float, float, float, float)
-        The step; least area of a patch in its weight; the length by which overlaps
-        end in a step, beyond what compliance takes; the gap at which a patch may bear.
+        The step; least area of a patch in its weight; the length by which overlaps end in a step,
+        see `pgimp.kernels.contact.surfaces.rows`, beyond what compliance takes; the gap at which a
+        patch may bear.
     scratch : ((vertices, 3) float64, (pairs, 3) float64, (pairs,) float64)
         Scratch, zero before.
     """
@@ -245,7 +246,8 @@ def soften(contact, kept, contact_pairs, coupling, solved, sizes, scratch):
         part = _grown(kept[one], row.normal) if one >= 0 else 1.0
         if one >= 0 and areas[k] == 0.0:
             row.gap_rate += _own_depth(solved, contact_pairs.ends[k], row, kept[one], dt)
-        row.gap_rate = max(row.gap_rate, -parts / dt - part * max(deep, 0.0))
+        most = max(parts / dt, -contact_pairs.ends[k].parted)
+        row.gap_rate = max(row.gap_rate, -most - part * max(deep, 0.0))
         if areas[k] == 0.0 or row.gap_rate == 0.0:  # no gap corrects it
             row.gap_rate -= deep
 
