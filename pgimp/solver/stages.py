@@ -231,7 +231,7 @@ def _booked(scene: Scene) -> tuple[list[Hashable], ...]:
 
 def _placed(scene: Scene, contact: list[Hashable]) -> list[Hashable]:
     """Names of the rows of `Ledger.contact_moments`."""
-    places = PLACES * scene.settings.initial
+    places = PLACES * scene.settings.by_vertex
     return [(name, row) for name in contact for row in range(places)]
 
 
@@ -296,7 +296,7 @@ def _watch(now: Start, speed: float) -> None:
     before, now.watch = now.watch, None
     if not now.case.watched:
         return
-    now.watch = EnergyWatch(speed)
+    now.watch = EnergyWatch(speed, now.case.method.stress)
     if before:
         now.watch.numbers = before.numbers
     if now.rank.slaves:

@@ -7,6 +7,7 @@ themselves.
 from __future__ import annotations
 
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -29,7 +30,7 @@ from pgimp.kernels.contact.surfaces.levels import TOUCHES
 from pgimp.kernels.contact.surfaces.loads import add_loads
 from pgimp.kernels.contact.surfaces.motion import find_travels, move_facets, read_vertices
 from pgimp.kernels.contact.surfaces.rows import PARTS, find_patch_pairs
-from pgimp.kernels.contact.surfaces.soft import LEAST_AREA, apply_impulses, soften
+from pgimp.kernels.contact.surfaces.soft import LEAST_AREA, solve_softly
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
@@ -38,6 +39,7 @@ from pgimp.solver.contact.base import NoContact
 from pgimp.solver.contact.impulses.impulse_contact import ImpulseContact, flat, nothing_held
 from pgimp.solver.contact.impulses.joint import Joint
 from pgimp.solver.contact.impulses.messages import greatest
+from pgimp.solver.contact.impulses.room import Room
 from pgimp.solver.contact.surfaces.groups import (
     Grouped,
     add_books,
@@ -69,7 +71,7 @@ class SurfaceContact(ImpulseContact):
         self._table: Table | None = None
         self._slaves: object = None
         self._acts = np.zeros((0, 0), np.uint8)
-        self._rate, self._room = 0.0, Room()
+        self._rate, self._deepest = 0.0, -1
         cell = scene.domain.frame.cell
         lengths = PARTS * min(cell), TOUCHES * min(cell)
         self._sizes = LEAST_AREA * min(cell) ** (len(cell) - 1), *lengths
@@ -160,8 +162,9 @@ class SurfaceContact(ImpulseContact):
         if self._proximity.update(rank, table, self._acts, rigid_bodies, t.dt, rate):
             self._warm_start.divide(self._proximity.has)
             if self.loads:
-                proximity = self._proximity
-                self.loads.divide(table.surface, proximity.labels, proximity.groups, proximity.met)
+                proximity, met = self._proximity, self._meeting
+                of = table.surface, proximity.labels, proximity.groups
+                self.loads.divide(*of, met, proximity.root)
         if self.loads:
             self.loads.time += t.dt
         self._meet(rank, update, table)
@@ -177,6 +180,18 @@ class SurfaceContact(ImpulseContact):
             self._proximity.restart()
             self._proximity.labels = labels_of(self.scene, self.groups, len(self._walls.planes))
         return self._table
+
+    @property
+    def _meeting(self) -> np.ndarray:
+        """Pairs of bodies that may exchange loads until the next search, (n, 2) int64."""
+        return self._proximity.met
+
+    def material_gaps(self, rank: RankState, rigid: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Facets, and their gaps to material in the current configuration, on all ranks.
+
+        Collective. `rigid` are the rigid bodies where they are now.
+        """
+        return np.empty(0, np.int64), np.empty(0)
 
     def _looking(self) -> np.ndarray:
         """Whether facets of a body look for another's: of bodies that act, those of the first."""
@@ -234,7 +249,7 @@ class SurfaceContact(ImpulseContact):
         step = dt, travels, self._warm_start.kept
         vertices = ReferenceVertices(share.keys, values)
         joint = self._pairs(surface, cells, every, vertices, step, self._room)
-        self._depth.note(every, surface, update.t.start)
+        self._depth.note(every, self._deepest, surface, update.t.start)
         return joint
 
     def _travels(self, speed: float, dt: float) -> np.ndarray:
@@ -284,18 +299,13 @@ class SurfaceContact(ImpulseContact):
 
         Neighbouring patches have some compliance in them.
         """
-        contact, call, count = self._contact, self.call, len(pairs.ends)
-        compliant = coupling._replace(answer=coupling.answer.copy())
-        softened = Solved(*(part.copy() for part in solved))
-        softened = softened._replace(soft=np.zeros_like(coupling.answer))
-        scratch = np.zeros(solved.velocity.shape), np.zeros((count, 3)), np.zeros(count)
-        sizes, kept = (self._dt, *self._sizes), self._warm_start.kept
-        call(soften, contact, kept, pairs, compliant, softened, sizes, scratch)
-        self._warm_start.begin(contact, pairs, compliant, softened, self._dt)
         assert self._by_group is not None
         order, first, *_ = self._by_group
-        self._solve_groups(free, (pairs, order, first), compliant, softened)
-        call(apply_impulses, pairs, coupling, solved)
+        room = self._room.soft(len(solved.velocity), len(pairs.ends), coupling)
+        self.sweeps = self.call(
+            solve_softly, self._contact, free, self._warm_start.kept, (pairs, order, first),
+            coupling, solved, room, ((self._dt, *self._sizes), self._accuracy),
+        )  # fmt: skip
 
     def _book(
         self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved,
@@ -310,10 +320,16 @@ class SurfaceContact(ImpulseContact):
         self.call(book_groups, *of, self._walls, self._books[1])
         if self.loads:
             assert self._table is not None
-            self.call(
-                add_loads, self._contact, pairs, coupling, solved, self.scene.domain.frame,
-                self._table.surface, self._every, (self._dt, *self.loads.arrays),
-            )  # fmt: skip
+            self._add_loads(pairs, coupling, solved, self._table.surface, self._every)
+
+    def _add_loads(
+        self, pairs: ContactPairs, coupling: Coupling, solved: Solved, surface: Surface,
+        every: np.ndarray,
+    ) -> None:  # fmt: skip
+        """Add what pairs of patches have exchanged to the loads of facets."""
+        assert self.loads
+        of = self._contact, pairs, coupling, solved, self.scene.domain.frame
+        self.call(add_loads, *of, surface, every, (self._dt, *self.loads.arrays))
 
     def _pairs(
         self, surface: Surface, cells: SurfaceCells, every: np.ndarray,
@@ -324,41 +340,13 @@ class SurfaceContact(ImpulseContact):
         `step` has its length, the ways of the bodies' fastest vertices, and kept forces.
         """
         call, frame, (keys, values) = self.call, self.scene.domain.frame, reference
-        seen, sums = np.empty((2, len(keys)), np.int64), np.empty(2 ** len(frame.cell))
-        scratch = flat(values), seen, sums, *self._proximity.scratch[-2:]
-        self._every, used = every, room.entries + 1
-        while used > room.entries:
-            room.grow(len(every), used if used > room.entries + 1 else 0)
-            found, rows, used = call(
+        scratch = flat(values), *room.gathering(len(keys), len(every), len(frame.cell))
+        scratch, used, self._every = (*scratch, *self._proximity.scratch[-2:]), 0, every
+        while True:
+            found, rows, used, self._deepest = call(
                 find_patch_pairs, self._contact, frame, surface, cells, every, step, scratch,
-                (room.pairs, room.coupling),
+                room.found(len(every), used),
             )  # fmt: skip
+            if used <= room.entries:
+                break
         return Joint(*room.filled(found, rows, used), reference)
-
-
-class Room:
-    """Room for pairs and their rows, which grows."""
-
-    def __init__(self) -> None:
-        self.pairs, self.entries = ContactPairs.empty(0), 0
-        self._make(0, 0)
-
-    def _make(self, pairs: int, entries: int) -> None:
-        """Allocate for the rows of so many pairs, with so many entries."""
-        self.entries, rows = entries, 2 * pairs
-        self.coupling = Coupling.empty(rows, entries)
-
-    def grow(self, pairs: int, entries: int) -> None:
-        """Have room for at least so many pairs and entries."""
-        if pairs > len(self.pairs.ends):
-            self.pairs = ContactPairs.empty(pairs + pairs // 4)
-            self._make(len(self.pairs.ends), max(self.entries, 8 * pairs))
-        if entries > self.entries:
-            self._make(len(self.pairs.ends), entries + entries // 4)
-
-    def filled(self, pairs: int, rows: int, entries: int) -> tuple[ContactPairs, Coupling]:
-        """What is filled, without a copy."""
-        start, column, entry, answer = self.coupling
-        return ContactPairs(*(part[:pairs] for part in self.pairs)), Coupling(
-            start[: rows + 1], column[:entries], entry[:entries], answer[:rows]
-        )

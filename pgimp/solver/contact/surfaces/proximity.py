@@ -38,7 +38,7 @@ _LEAST, _AHEAD = 0.02, 2.0
 PIECES = 3
 
 #: Cells of travel within which the facets next to others stay so.
-WALK = 0.002
+WALK = 0.01
 
 U = slice(DISPLACEMENT, DISPLACEMENT + 3)
 

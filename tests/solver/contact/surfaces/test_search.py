@@ -9,7 +9,7 @@ from pgimp.kernels.contact.surfaces.motion import move_facets
 
 pytestmark = pytest.mark.slow(20)
 
-EXACT = {"configuration": "initial", "surface": "exact"}
+EXACT = {"formulation": "total-lagrangian", "surface": "exact"}
 
 
 def corners():

@@ -2,6 +2,7 @@
 
 from scenes import SOFT, box, scene
 
+from pgimp.physics.columns import SURFACE
 from rank_scenes.entries import EVERYTHING, STIFF
 from rank_scenes.initial_bodies import within
 from rank_scenes.laws import METALS
@@ -29,7 +30,7 @@ def rings():
         step={"courant": 0.3},
         materials=METALS | {"rubber": SOFT, "stiff": STIFF, "gas": gas},
         gravity=[0.0, -2.0],
-        boundaries={"y-min": "separating", "x-max": "slip"},
+        boundaries={"y-min": "unilateral", "x-max": "slip"},
         escape={"y-max": "remove"},
         contact=[{"bodies": "all", "friction": 0.3}],
         tractions={
@@ -68,7 +69,7 @@ def rings_free():
         step={"courant": 0.3},
         materials={"rubber": SOFT},
         gravity=[0.0, -2.0],
-        boundaries={"x-min": "slip", "y-min": "separating"},
+        boundaries={"x-min": "slip", "y-min": "unilateral"},
         contact=[{"bodies": "all", "friction": 0.3}],
         output={"every": 0.25, "fields": EVERYTHING, "grid": ["mass", "contact"]},
         history={"every": {"steps": 10}},
@@ -105,7 +106,7 @@ def rings_initial():
     )  # fmt: skip
     case["geometry"] = "axisymmetric"
     for body in bodies.values():
-        body["configuration"] = "initial"
+        body["formulation"] = "total-lagrangian"
     return case
 
 
@@ -118,7 +119,7 @@ def rings_initial_contact():
         "sleeve": box([7.9, 1.0], [9.0, 4.0], [0.0, 2.0]),
     }
     for body in bodies.values():
-        body["configuration"] = "initial"
+        body["formulation"] = "total-lagrangian"
     bodies["stamp"] = {
         "rigid": {"velocity": [0.0, -1.5]},
         "region": {"ball": {"center": [6.5, 7.3], "radius": 2.0}},
@@ -136,7 +137,7 @@ def rings_initial_contact():
         step={"courant": 0.3},
         materials={"soft": METALS["soft"], "rubber": SOFT},
         gravity=[0.0, -2.0],
-        boundaries={"y-min": "separating"},
+        boundaries={"y-min": "unilateral"},
         contact=[{"bodies": "all", "friction": 0.3}],
         tractions={"bore": {"body": "tube", "face": "x-min", "pressure": 8.0}},
         output={"every": 0.25, "fields": EVERYTHING, "grid": ["mass", "velocity"]},
@@ -160,7 +161,7 @@ def surface_rings():
         "sleeve": box([7.88, 2.0], [9.03, 4.4], [0.0, 2.0]),
     }  # fmt: skip
     bodies = {
-        name: body | {"configuration": "initial", "surface": "exact"}
+        name: body | {"formulation": "total-lagrangian", "surface": "exact"}
         for name, body in bodies.items()
     }
     stamp = {"ball": {"center": [6.5, 8.23], "radius": 2.0}}
@@ -184,6 +185,39 @@ def surface_rings():
         history={"every": {"steps": 10}},
     )
     case["geometry"] = "axisymmetric"
-    tied = [{"bodies": "all", "friction": 0.1}, {"bodies": ["tube", "sleeve"], "law": "tied"}]
+    tied = [{"bodies": "all", "friction": 0.1}, {"bodies": ["tube", "sleeve"], "law": "tie"}]
     case["time"]["stages"] = [{"name": "grown", "end": 0.8, "contact": tied}]
+    return case
+
+
+def mixed_rings():
+    """A current bar and tube meet initial ones, a rigid stamp, a free disk, and a floor.
+
+    Frames have the loads of surfaces.
+    """
+    initial = {"formulation": "total-lagrangian"}
+    bodies = {
+        "bed": box([0.0, 0.0], [6.2, 1.9], None, "rubber"),
+        "bar": box([0.0, 2.1], [2.13, 4.7], [0.0, -3.0]) | initial,
+        "tube": box([3.1, 2.0], [4.97, 4.4], None, "rubber") | initial,
+        "sleeve": box([5.07, 2.2], [7.0, 4.1], [0.0, -1.0], "rubber"),
+        "disk": {"rigid": {"density": 3.0}, "velocity": [0.0, -4.0],
+                 "region": box([-2.5, 5.3], [2.5, 6.4])["region"]},
+        "stamp": {"rigid": {"velocity": [0.0, -1.5]},
+                  "region": {"ball": {"center": [5.5, 6.1], "radius": 1.83}}},
+    }  # fmt: skip
+    case = scene(
+        2,
+        bodies,
+        cells=[12, 9],
+        end=0.8,
+        step={"courant": 0.3},
+        materials={"soft": METALS["soft"], "rubber": SOFT},
+        gravity=[0.0, -2.0],
+        boundaries={"y-min": "separating"},
+        contact=[{"bodies": "all", "friction": 0.3}],
+        output={"every": 0.2, "fields": EVERYTHING, "surface": [*SURFACE]},
+        history={"every": {"steps": 10}},
+    )
+    case["geometry"], case["method"]["volumetric"] = "axisymmetric", "mean"
     return case
