@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
+from pgimp.case.body import any_means
+from pgimp.case.choices.beyond import FLOWED
 from pgimp.schema.pages import page
 
 if TYPE_CHECKING:
@@ -35,7 +37,7 @@ class Rule(NamedTuple):
         method = None if case is None else case.method
         if method is not None and method.affine:
             parts = [part for part in parts if not part.startswith("method.affine: true")]
-        if method is not None and method.volumetric == "b-bar":
+        if case is not None and any_means(case):
             parts = [part for part in parts if not part.startswith("method.volumetric: b-bar")]
         return "; ".join(parts)
 
@@ -85,6 +87,8 @@ RULES = {
         "not"),
     "size": Rule("strain of boxes that keep their size", 0.15, "%", "methods.md#reasons",
         "method.shape: finite-gimp"),
+    "flowed": Rule("strain of a metal in the initial configuration", FLOWED, "%",
+        "metals.md#in-runs", "formulation: updated-lagrangian"),
     "frozen": Rule("possibly frozen energy", 0.03, "%", "hard-cases.md#frozen-stress",
         "an entry of contact for bodies that meet; formulation: total-lagrangian"),
     "stripes": Rule("stress that varies within cells", 0.2, "%", "hard-cases.md#locking",

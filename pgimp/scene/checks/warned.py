@@ -61,6 +61,8 @@ WARNINGS = {
     "many-frames": Kind("check", "units of time", "more than 10,000 frames"),
     "series-end": Kind("check", "a series is held at its last value", "it ends before the run"),
     "short-step": Kind("check", "steps far below what waves need", "Courant number below 0.01"),
+    "chosen-strain": Kind("check", "a method that was chosen for smaller strains",
+        "strains of a pilot run beyond those for which a method was chosen"),
     "pilot-failed": Kind("check", "the run may fail as well", "a pilot run failed"),
     "pilot-step": Kind("check", "steps become unstable as waves become faster",
         "in a pilot run, see unstable-step"),
