@@ -15,6 +15,7 @@ from pgimp.case.motion.moving_boxes import (
     clearance,
     faces_with_condition,
     free_velocities,
+    held_at,
     instants,
     moving_boxes,
 )
@@ -45,6 +46,7 @@ class BodyChoice(NamedTuple):
     fails: bool  #: Whether its material may tear.
     wall: str  #: Face that it may come to, and that holds only what lies on it at the start.
     leaves: bool  #: Whether its particles, or parts of the ground, come or go.
+    sticks: bool  #: Whether it lies on a face that holds it in every direction.
 
 
 class SceneChoice(NamedTuple):
@@ -110,6 +112,7 @@ def facts_of(case: Case) -> list[BodyChoice]:
                 bool(getattr(material, "damage", None)),
                 next(_walls(case, box), ""),
                 bool(dug) or box.name in case.inflow,
+                any(_sticks(case, box)),
             )
         )
     return found
@@ -154,6 +157,13 @@ def _walls(case: Case, box: Box) -> Iterator[str]:
         gap = clearance(case, axis, side, box.low[:, axis], box.high[:, axis])
         if not condition.approaches and gap[0] > TOUCH and gap.min() < min(1.0, gap[0]):
             yield face
+
+
+def _sticks(case: Case, box: Box) -> Iterator[bool]:
+    """For each face on which the body lies: whether it holds all components of a motion."""
+    for _, condition, axis, side in faces_with_condition(case):
+        if clearance(case, axis, side, box.low[0, axis], box.high[0, axis]) < 1.0:
+            yield all(held_at(condition, axis, side)[: case.dimensions])
 
 
 def closing_speeds(case: Case, boxes: list[Box]) -> dict[str, float]:

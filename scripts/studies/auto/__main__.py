@@ -111,10 +111,11 @@ def text(kept: dict) -> str:
         if auto is None or not sound:
             continue
         best = min(sound, key=lambda way: sound[way][0])
-        before = ways["former default"] or (None, 0.0, "")
-        rows.append(
-            (name, problem.what, shown(auto), shown(before), f"{best}: {shown(sound[best])}")
-        )
+        before = ways["former default"]
+        rows.append((
+            name, problem.what, shown(auto), shown(before) if before else "",
+            f"{best}: {shown(sound[best])}",
+        ))  # fmt: skip
     titles = (
         "problem", "error of", "no method key: error in %, s", "former default", "best of the named"
     )  # fmt: skip
