@@ -211,9 +211,9 @@ class Case(Model):
         default=(),
         max_length=60,
         description="what happens where bodies meet. Bodies of a pair that an entry is for have "
-        "velocity fields of their own; all others share one, so that they feel each other up to "
-        "two cells before they touch, and stick together. Left out where the method is "
-        "chosen, or auto: bodies that may meet do so without friction; bonded: all stick together",
+        "velocity fields of their own; all others share one, so that they interact up to "
+        "two cells before they touch, and are bonded. Left out where the method is "
+        "chosen, or auto: bodies that may meet do so without friction; bonded: all are",
         json_schema_extra=or_bonded,
     )
     exact: Annotated[Any, ByName(_solutions, "solution")] = Field(

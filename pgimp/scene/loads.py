@@ -259,7 +259,7 @@ class SceneLoads:
             if counts[i + 1] == 0 and not awaited and (bodies is None or entry.body in bodies):
                 with located(self.case):
                     raise CaseError(
-                        f"constraints.{name}.region: holds no particle of body "
+                        f"constraints.{name}.region: contains no particle of body "
                         f"'{self.constraints[i].body}'; its particles are "
                         f"{', '.join(f'{2 * h:.6g}' for h in self.half)} apart"
                     )

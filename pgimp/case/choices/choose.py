@@ -287,7 +287,7 @@ def _met(met: Meeting) -> str:
     named = sorted(met.pairs, key=lambda pair: not pair[2])[:3]
     texts = [f"'{a}' and '{b}'" + " (touch at the start)" * touch for a, b, touch in named]
     more = f" and {len(met.pairs) - 3} more pairs" if len(met.pairs) > 3 else ""
-    return f"frictionless, of {', '.join(texts)}{more}; if they stick together, `contact: bonded`"
+    return f"frictionless, of {', '.join(texts)}{more}; if they are bonded, `contact: bonded`"
 
 
 def bonded(case: Case, every_initial: Iterable[bool]) -> tuple[Data, ...]:

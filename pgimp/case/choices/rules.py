@@ -87,7 +87,8 @@ OF_BODIES: tuple[Rule, ...] = (
         "formulation",
         "updated-lagrangian",
         f"a metal, or clay as one, strained by more than {METAL_STRAIN:g}, or by tools and grips "
-        "to several times its yield strain",
+        "to several times its yield strain: by their ways over its size, and by those of bodies "
+        "of a material that are moved",
         lambda body: _body(body, "metal") and (body.strain > METAL_STRAIN or body.yields),
         "its plastic flow is large",
         "a footing is right to 1.5 %, so to 8.9 %; Taylor's bar has a radius of 7.01 "
@@ -139,7 +140,7 @@ MASS: tuple[Rule, ...] = (
     ),
 )
 
-#: Of each body, in a scene; `method.volumetric` is `mean` where any body needs it.
+#: Of each body, in a scene; `method.volumetric` is `b-bar` where any body needs it.
 VOLUMETRIC: tuple[Rule, ...] = (
     Rule(
         "volumetric",
@@ -328,7 +329,7 @@ CONTACT: tuple[Rule, ...] = (
         "each other, which flow together",
         lambda scene: True,
         "bodies meet, slide and part",
-        "without contact they would stick together, from two cells apart; `contact: bonded` says "
+        "without contact they would be bonded, from two cells apart; `contact: bonded` says "
         "that this is meant",
         "contact.md",
     ),

@@ -219,7 +219,7 @@ def _stretched(case: Case, state: BodyState) -> Iterator[Indicator]:
 
 
 def _frozen(history: Array, state: BodyState) -> float:
-    """Upper bound of a body's frozen energy, over the run's: what of it varies within cells."""
+    """Upper bound of a body's locked-in energy, over the run's: what of it varies within cells."""
     column = f"body.{state.name}.strain-energy"
     book = energy_book(history)
     if book is None or column not in (history.dtype.names or ()):

@@ -1,4 +1,4 @@
-"""Warnings of volumetric locking and stress stripes, which ``volumetric`` governs."""
+"""Warnings of volumetric locking and checkerboards of stress, which ``volumetric`` governs."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def stripes(case: Case, poisson: Mapping[str, float] | None = None) -> Iterator[
         flow = "flows" if len(bodies) == 1 else "flow"
         yield (
             f"materials.{name}: {_named(bodies)} {flow} plastically, where particles of one cell "
-            "get different pressures (stripes of stress) and too much strength (locking); "
+            "get different pressures (a checkerboard of stress) and too much strength (locking); "
             f"method.volumetric: b-bar keeps it from that{_boxes(case)}"
         )
 

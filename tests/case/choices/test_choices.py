@@ -73,7 +73,7 @@ def test_liquids_on_walls_without_slip_go_without_affine():
 
 def test_a_metal_is_judged_by_its_strain():
     """At 20 m/s Johnson's damage number is 0.008, at 200 m/s it is 0.8; alone nothing hits it."""
-    wall = {"boundaries": {"x-max": "separating"}, "end": 1.0}
+    wall = {"boundaries": {"x-max": "unilateral"}, "end": 1.0}
     slow, fast = (pgimp.load(bare(2, block([v, 0.0]), STEEL, **wall)) for v in (20.0, 200.0))
     assert (
         configurations(slow) == {"body": "total-lagrangian"} and slow.method.volumetric == "b-bar"
@@ -89,7 +89,7 @@ def test_a_metal_is_judged_by_its_strain():
 )
 def test_what_falls_is_judged_by_the_speed_at_which_it_hits(gravity, chosen):
     """Two cells deep, at 14 and 632 m/s: it is at rest at the start."""
-    falls = {"boundaries": {"y-min": "separating"}, "gravity": [0.0, -gravity], "end": 1.0}
+    falls = {"boundaries": {"y-min": "unilateral"}, "gravity": [0.0, -gravity], "end": 1.0}
     case = pgimp.load(bare(2, block(), STEEL, **falls))
     assert configurations(case) == {"body": chosen}
 

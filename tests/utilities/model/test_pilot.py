@@ -195,7 +195,7 @@ def test_no_pilot_run_of_what_cannot_be_coarse(monkeypatch):
     """Constraints hold a row of particles, which may lie elsewhere on other grids."""
     row = {"box": {"min": [0.0, 0.07], "max": [1.0, 0.09]}}
     case = squeezed(constraints={"g": {"body": "b", "velocity": [0, 0], "region": row}})
-    with pytest.raises(CaseError, match="holds no particle"):
+    with pytest.raises(CaseError, match="contains no particle"):
         Simulation(coarse(case, 1.5), Serial())
     monkeypatch.setattr(pilots, "_SECONDS", 0.05)
     found = pilot(case, 2048, 600.0, COSTS, 16.0)

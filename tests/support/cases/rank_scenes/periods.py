@@ -191,7 +191,7 @@ def mixed_round():
         step={"courant": 0.3},
         materials=PAIR,
         gravity=[0.0, -1.0],
-        boundaries={"x-min": "periodic", "x-max": "periodic", "y-min": "separating"},
+        boundaries={"x-min": "periodic", "x-max": "periodic", "y-min": "unilateral"},
         contact=[{"bodies": "all", "friction": 0.3}],
         output={"every": 0.2, "fields": [*EVERYTHING, "unwrapped"], "surface": [*SURFACE]},
         history={"every": {"steps": 10}},

@@ -214,7 +214,7 @@ def mixed_rings():
         step={"courant": 0.3},
         materials={"soft": METALS["soft"], "rubber": SOFT},
         gravity=[0.0, -2.0],
-        boundaries={"y-min": "separating"},
+        boundaries={"y-min": "unilateral"},
         contact=[{"bodies": "all", "friction": 0.3}],
         output={"every": 0.2, "fields": EVERYTHING, "surface": [*SURFACE]},
         history={"every": {"steps": 10}},
