@@ -1,7 +1,7 @@
 """Surfaces of bodies for the kernels of contact: facets, patches, and the grid's cells there."""
 
 from math import floor
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,10 @@ from pgimp.kernels.data.particles import FloatArray, IntArray
 #: those of facets that touch, see `pgimp.kernels.contact.surfaces.spread`; zero of others. Last the
 #: part that faces the other body, see `pgimp.kernels.contact.surfaces.pressed.faces`, and the first
 #: and the number of its `Pieces` that are kept; none if they have to be found again.
+#:
+#: The first one of a patch has what is known of all since the facets next to them were found, see
+#: `pgimp.kernels.contact.surfaces.awake`: the way by which gaps were from closing, the ways of the
+#: cells' vertices relative to their means, and the vector between the middle facets.
 NEAR_FACET = structure(
     ("facet", "i8"),
     ("body", "i8"),
@@ -31,6 +35,9 @@ NEAR_FACET = structure(
     ("facing", "f8"),
     ("piece", "i8"),
     ("pieces", "i8"),
+    ("clear", "f8"),
+    ("loose", "f8"),
+    ("way", "f8", 3),
 )
 
 
@@ -76,6 +83,26 @@ class SurfaceCells(NamedTuple):
     beside: IntArray  #: (m, 6) int64: Cells below and above along each direction, or -1.
 
 
+class Patches(NamedTuple):
+    """Patches near another body, and which of them matter in a step."""
+
+    start: IntArray  #: (patches + 1,) int64: The first facet near the body of each.
+    awake: IntArray  #: (k,) int64: Numbers of those that may have a pair, ascending.
+    walks: NDArray[np.uint8]  #: (k,): 1 where facets next to them are to be found anew.
+
+    @classmethod
+    def of(cls, surface: Surface, every: NDArray) -> Self:
+        """The patches of facets near other bodies, by patch and body; all of them matter."""
+        patch, body = surface.patch[every["facet"]], every["body"]
+        begin = np.flatnonzero(np.diff(patch, prepend=-1) | np.diff(body, prepend=-1))
+        awake = np.arange(len(begin))
+        return cls(np.append(begin, len(every)), awake, np.ones(len(begin), np.uint8))
+
+    def first(self, count: int) -> Self:
+        """With only the first ones of those that are awake."""
+        return self._replace(awake=self.awake[:count], walks=self.walks[:count])
+
+
 @inlined
 def turns(surface, way, d):
     """Length of the whole periods in a component `d` of a vector, so that the rest is shortest."""
@@ -93,3 +120,9 @@ def _whole(way, period):
 def no_facets(count: int) -> NDArray:
     """Allocate for so many facets near other bodies."""
     return np.empty(count, NEAR_FACET)
+
+
+def begin_near(every: NDArray) -> None:
+    """Set that nothing is known yet of facets near other bodies, but what is next to them."""
+    every["gap"], every["side"], every["way"] = np.inf, -1, 0.0
+    every["clear"], every["loose"] = -np.inf, np.inf

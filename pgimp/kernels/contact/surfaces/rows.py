@@ -24,7 +24,6 @@ from pgimp.kernels.contact.surfaces.levels import (
     FADES,
     FOLLOWS,
     NEAR,
-    end_of_patch,
     find_sides,
     law_of,
     level,
@@ -176,7 +175,7 @@ def _set_rigid_velocity(rigid_bodies, s, rigid, side):
 
 @kernel
 def find_patch_pairs(
-    contact, frame, surface, cells, every, step, scratch, found
+    contact, frame, surface, cells, near, step, scratch, found
 ) -> tuple[int, int, int]:
     """Find the pairs of patches and other bodies, and their rows.
 
@@ -184,8 +183,9 @@ def find_patch_pairs(
     ----------
     contact : Contact
         Laws and rigid bodies.
-    every : (n,) NEAR_FACET
-        Facets with their gaps, by patch and other body. Sides and weights are set here.
+    near : ((n,) NEAR_FACET, Patches)
+        Facets with their gaps, by patch and other body. Sides and weights are set here, of patches
+        that are awake.
     step : (float, (bodies,) float64, (n,) KEPT_FORCE)
         Length of the step, the ways of the fastest vertices in it, see `law_of`, and forces of
         the last step, see `begin_impulses`.
@@ -200,16 +200,16 @@ def find_patch_pairs(
         Numbers of pairs, rows and entries.
     """
     D, (numbers, seen, sums, _, _), (dt, travels, kept) = len(frame.cell), scratch, step
-    contact_pairs, coupling = found
-    cell = frame.cell[0]
+    (contact_pairs, coupling), (every, patches), cell = found, near, frame.cell[0]
     for d in range(D):
         cell = min(cell, frame.cell[d])
     seen[0, :] = -1
     sums[:] = 0.0
-    pairs, rows, used, first, start = 0, 0, 0, 0, coupling.start
+    pairs, rows, used, start = 0, 0, 0, coupling.start
     start[0] = 0
-    while first < len(every):
-        s, last = every[first].facet, end_of_patch(surface, every, first)
+    for k in range(len(patches.awake)):
+        first, last = patches.start[patches.awake[k]], patches.start[patches.awake[k] + 1]
+        s = every[first].facet
         law = law_of(contact.pairs, surface.body[s], every[first].body, cell, travels)
         sides, side = 0, -1
         if law[0] > 0:
@@ -242,5 +242,4 @@ def find_patch_pairs(
             if end.rows[0] < 0 and end.rows[1] < 0:
                 row.gap_rate = max(row.gap_rate, -PARTS * cell / dt)
             pairs += 1
-        first = last
     return pairs, rows, used

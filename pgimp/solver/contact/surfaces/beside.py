@@ -12,6 +12,7 @@ from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.impulses.coupling import Coupling
 from pgimp.kernels.contact.impulses.pairs import ContactPairs
 from pgimp.kernels.contact.impulses.rows import Solved
+from pgimp.kernels.contact.surfaces.data import Patches
 from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
@@ -92,8 +93,9 @@ class MixedContact(SurfaceContact):
             met = material.meet(rank, rigid, self._holding(update))
             if met is not None:
                 step = t.dt, self._travels(met.speed, t.dt), self._warm_start.kept
+                of = met.every, Patches.of(met.surface, met.every)
                 found.append(
-                    self._pairs(met.surface, met.cells, met.every, met.vertices, step, self._beside)
+                    self._pairs(met.surface, met.cells, of, met.vertices, step, self._beside)
                 )
         found.append(
             self._at_vertices.find(rank, self._proximity.root, self._holding(update), t.dt)

@@ -9,7 +9,7 @@ import numpy as np
 from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.impulses.pairs import SeparatingWalls
-from pgimp.kernels.contact.surfaces.data import no_facets
+from pgimp.kernels.contact.surfaces.data import begin_near, no_facets
 from pgimp.kernels.contact.surfaces.search import (
     bound_clusters,
     find_close,
@@ -145,8 +145,9 @@ def find_candidates(
         parts.append(one)
     every = np.concatenate(parts)
     number = surface.patch[every["facet"]] * (walls.first + len(walls.planes)) + every["body"]
-    order = np.argsort(number * len(surface.x) + every["facet"], kind="stable")
-    return every[order], np.flatnonzero(marks)
+    every = every[np.argsort(number * len(surface.x) + every["facet"], kind="stable")]
+    begin_near(every)
+    return every, np.flatnonzero(marks)
 
 
 def _least(comm: Communicator, values: np.ndarray) -> np.ndarray:

@@ -22,7 +22,7 @@ from pgimp.kernels.contact.impulses.reference_grid import (
     change_velocities,
 )
 from pgimp.kernels.contact.impulses.rows import Solved
-from pgimp.kernels.contact.surfaces.data import Surface, SurfaceCells, no_facets
+from pgimp.kernels.contact.surfaces.data import Patches, Surface, SurfaceCells, no_facets
 from pgimp.kernels.contact.surfaces.gaps import find_gaps
 from pgimp.kernels.contact.surfaces.groups import book_groups
 from pgimp.kernels.contact.surfaces.levels import TOUCHES
@@ -37,7 +37,6 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.contact.base import NoContact
 from pgimp.solver.contact.impulses.impulse_contact import ImpulseContact, flat, nothing_held
 from pgimp.solver.contact.impulses.joint import Joint
-from pgimp.solver.contact.impulses.messages import greatest
 from pgimp.solver.contact.surfaces.groups import (
     Grouped,
     add_books,
@@ -214,26 +213,21 @@ class SurfaceContact(ImpulseContact):
             np.empty(len(share.records), REFERENCE_VERTEX),
             np.empty((len(share.records), 4)),
         )
-        speed = call(
-            read_vertices, self._holding(update), grid.field, share.sent, share.records, values, u
-        )
-        speed = greatest(self.comm, speed)
+        call(read_vertices, self._holding(update), grid.field, share.sent, share.records, values, u)
         u, values = share.gather(self.comm, u), share.gather(self.comm, values)
-        call(
-            move_facets, frame, self.rigid_bodies, surface, cells, u,
-            proximity.moved_facets(self.rigid_bodies), proximity.scratch,
-        )  # fmt: skip
-        least, dt = min(frame.cell), update.t.dt
+        dt = update.t.dt
         travels = self._travels(0.0, dt)
         call(find_travels, values, share.of, dt, travels)
-        walks = proximity.walks((speed / least + self._rate) * dt)
+        laws, rigid = self._contact, self.rigid_bodies
+        patches, moving = proximity.awake(laws, table, u, (dt, travels))
+        call(move_facets, frame, rigid, surface, cells, u, moving, proximity.scratch)
         call(
-            find_gaps, frame, self._contact, self._walls, surface, (cells, u), proximity.scratch,
-            (proximity.far, walks, travels), every,
+            find_gaps, frame, laws, self._walls, surface, (cells, u), proximity.scratch,
+            (proximity.far, travels), (every, patches),
         )  # fmt: skip
         step = dt, travels, self._warm_start.kept
         vertices = ReferenceVertices(share.keys, values)
-        joint = self._pairs(surface, cells, every, vertices, step, self._room)
+        joint = self._pairs(surface, cells, (every, patches), vertices, step, self._room)
         self._depth.note(every, surface, update.t.start)
         return joint
 
@@ -316,21 +310,23 @@ class SurfaceContact(ImpulseContact):
             )  # fmt: skip
 
     def _pairs(
-        self, surface: Surface, cells: SurfaceCells, every: np.ndarray,
+        self, surface: Surface, cells: SurfaceCells, near: tuple[np.ndarray, Patches],
         reference: ReferenceVertices, step: tuple[float, np.ndarray, np.ndarray], room: Room,
     ) -> Joint:  # fmt: skip
         """The pairs of patches and other bodies, with their rows of B, in `room`.
 
-        `step` has its length, the ways of the bodies' fastest vertices, and kept forces.
+        `near` are facets near others, and their patches. `step` has its length, the ways of the
+        bodies' fastest vertices, and kept forces.
         """
         call, frame, (keys, values) = self.call, self.scene.domain.frame, reference
         seen, sums = np.empty((2, len(keys)), np.int64), np.empty(2 ** len(frame.cell))
         scratch = flat(values), seen, sums, *self._proximity.scratch[-2:]
-        self._every, used = every, room.entries + 1
+        (every, _), used = near, room.entries + 1
+        self._every = every
         while used > room.entries:
             room.grow(len(every), used if used > room.entries + 1 else 0)
             found, rows, used = call(
-                find_patch_pairs, self._contact, frame, surface, cells, every, step, scratch,
+                find_patch_pairs, self._contact, frame, surface, cells, near, step, scratch,
                 (room.pairs, room.coupling),
             )  # fmt: skip
         return Joint(*room.filled(found, rows, used), reference)

@@ -37,7 +37,8 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.grown import grown
 from pgimp.solver.contact.impulses.messages import greatest, united
-from pgimp.solver.contact.surfaces.proximity import LONGEST, TRAVEL, Near, Proximity
+from pgimp.solver.contact.surfaces.proximity import LONGEST, TRAVEL, Proximity
+from pgimp.solver.contact.surfaces.shares import Near
 from pgimp.solver.contact.surfaces.table import Table, bits_of, records_of
 from pgimp.solver.rank_state import RankState
 

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
+from pgimp.kernels.contact.data import Contact
 from pgimp.kernels.contact.impulses.pairs import SeparatingWalls
-from pgimp.kernels.contact.surfaces.data import Surface, SurfaceCells, no_facets
+from pgimp.kernels.contact.surfaces.awake import find_awake
+from pgimp.kernels.contact.surfaces.data import Patches, begin_near, no_facets
 from pgimp.kernels.contact.surfaces.gaps import FARTHEST
 from pgimp.kernels.contact.surfaces.motion import move_facets
 from pgimp.kernels.contact.surfaces.spread import kept_of, scratch_of
@@ -24,6 +26,7 @@ from pgimp.solver.contact.surfaces.candidates import (
     find_meeting_clusters,
 )
 from pgimp.solver.contact.surfaces.groups import Groups, find_groups
+from pgimp.solver.contact.surfaces.shares import Near, Share, select, share_of
 from pgimp.solver.contact.surfaces.table import Table, records_of
 from pgimp.solver.rank_state import RankState
 
@@ -37,55 +40,16 @@ _LEAST, _AHEAD = 0.02, 2.0
 #: Pieces of facets that are kept within a step, for each candidate.
 PIECES = 3
 
-#: Cells of travel within which the facets next to others stay so.
-WALK = 0.002
-
 U = slice(DISPLACEMENT, DISPLACEMENT + 3)
 
 #: With a number that means nothing, for kernels.
 U4 = slice(DISPLACEMENT, DISPLACEMENT + 4)
 
-#: What a checkpoint has of each candidate, and its parts: displacements, facets, moving ones,
-#: these. Before them there are four numbers and the parts' lengths.
-_KEPT = ("facet", "body", "other")
-_PARTS, _NUMBERS = 3 + len(_KEPT), 4
-
-
-class Near(NamedTuple):
-    """Vertices that move facets near other bodies, until the next search."""
-
-    any: bool  #: Whether there are any.
-    facets: np.ndarray  #: (n,) int64: All facets of clusters that may meet others.
-    cells: SurfaceCells  #: Cells with the vertices' numbers among those below.
-    keys: np.ndarray  #: (v,) int64: Keys of the vertices that move these facets.
-    records: np.ndarray  #: (o,) int64: Records of those that the rank owns.
-    own: np.ndarray  #: (o,) int64: Their numbers.
-    every: np.ndarray  #: (v,) int64: Numbers of those of all ranks, one rank after the other.
-    counts: np.ndarray  #: (ranks,) int64: How many each rank owns.
-
-
-class Share(NamedTuple):
-    """What a rank has of the groups of bodies near each other, until the next search."""
-
-    moving: np.ndarray  #: (k,) int64: Its facets near others, and those near them.
-    cells: SurfaceCells  #: Cells with the vertices' numbers among those below.
-    keys: np.ndarray  #: (v,) int64: Keys of the vertices that move these facets.
-    #: records, sent: (o,) int64: Records of its own vertices that any rank needs, by rank; keys.
-    records: np.ndarray
-    sent: np.ndarray
-    counts: np.ndarray  #: (2, ranks) int64: How many of these each rank needs, and it has of each.
-    place: np.ndarray  #: (v,) int64: Numbers of those that it gets.
-    same: bool  #: Whether these are its own, in their order.
-    of: np.ndarray  #: (n, 2) int64: Bodies, and the vertices of the cells of their facets.
-
-    def gather(self, comm: Communicator, values: np.ndarray) -> np.ndarray:
-        """What all ranks have at the share's vertices, given that of `sent`; collective."""
-        if self.same:
-            return values
-        arrived = values if comm.size == 1 else swap(comm, values, *self.counts)
-        found = np.zeros((len(self.keys), *values.shape[1:]), values.dtype)
-        found[self.place] = arrived
-        return found
+#: What is known of each candidate, the last in three components: what a checkpoint has. Before it
+#: there are the displacements at the last search, the facets near others and those that move; and
+#: first three numbers and the lengths of these four.
+_KEPT = ("facet", "body", "other", "clear", "loose")
+_WIDTH, _PARTS, _NUMBERS = len(_KEPT) + 3, 4, 3
 
 
 class Proximity:
@@ -135,10 +99,11 @@ class Proximity:
         self._travel = TRAVEL
         self.reach = float(self._reach().max())
         self.met = np.empty((0, 2), np.int64)
-        self._pause, self._moved, self._walked = 0, 0.0, 2.0 * WALK
+        self._pause, self._moved = 0, 0.0
         self._records = np.empty(0, np.int64)
-        self._poses: bytes | None = None
-        self._soft = 0  # facets of the share that are not rigid
+        self.patches: Patches
+        self._chosen, self._marks = np.empty(0, np.int64), np.empty(0, np.uint8)
+        self._count = 0  # facets that are moved in this step
         self._window: object = None
         self._before = np.empty((0, 3))  # displacements of all surface vertices at the last search
         self._restored = np.empty(0)
@@ -171,9 +136,8 @@ class Proximity:
         every = self._everyone()
         if self.comm.rank != self.root:
             return np.empty(0)
-        parts = (self._before.reshape(-1), self.near.facets, self._moving,
-                 *(every[name] for name in _KEPT))  # fmt: skip
-        numbers = [self._pause, self._moved, self._walked, self._travel]
+        parts = self._before.reshape(-1), self.near.facets, self._moving, _known(every).reshape(-1)
+        numbers = [self._pause, self._moved, self._travel]
         return np.concatenate([numbers, list(map(len, parts)), *parts])
 
     def restore(self, state: np.ndarray) -> None:
@@ -187,14 +151,14 @@ class Proximity:
         sizes = state[_NUMBERS:head].astype(np.int64)
         if sizes[0] != 3 * len(table.keys) or len(state) != head + sizes.sum():
             return
-        before, *parts = np.split(state[head:], np.cumsum(sizes[:-1]))
-        facets, self._moving, *every = (part.astype(np.int64) for part in parts)
+        before, facets, moving, known = np.split(state[head:], np.cumsum(sizes[:-1]))
+        facets, self._moving = facets.astype(np.int64), moving.astype(np.int64)
         self._pause = int(state[0])
-        self._moved, self._walked, self._travel = state[1:_NUMBERS].tolist()
+        self._moved, self._travel = state[1:_NUMBERS].tolist()
         self._before = before.reshape(-1, 3)
-        found = no_facets(len(every[0]))
-        for name, values in zip(_KEPT, every, strict=True):
-            found[name] = values
+        found = no_facets(len(known) // _WIDTH)
+        begin_near(found)
+        _know(found, slice(None), known.reshape(-1, _WIDTH))
         self._find_root(rank)
         self._locate(rank, table, facets)
         self._divide(table, found)
@@ -220,8 +184,8 @@ class Proximity:
     def _everyone(self) -> np.ndarray:
         """The candidates of all ranks; collective."""
         every, mine = self._found
-        for numbers, others in self.comm.allgather((mine, self.candidates["other"])):
-            every["other"][numbers] = others
+        for numbers, known in self.comm.allgather((mine, _known(self.candidates))):
+            _know(every, numbers, known)
         return every
 
     def _find_root(self, rank: RankState) -> None:
@@ -285,7 +249,6 @@ class Proximity:
             self._pause = int(min(LONGEST, left / travel if travel > 0.0 else LONGEST)) - 1
             return divided
         self._before, self._moved = self._everywhere(own, motion[:, U]), 0.0
-        self._walked = 2.0 * WALK
         self._travel = float(np.clip(_AHEAD * LONGEST * travel, _LEAST, TRAVEL))
         self._pause = int(max(1.0, min(LONGEST, self._travel / max(travel, 1e-300)))) - 1
         self._find_root(rank)
@@ -304,24 +267,21 @@ class Proximity:
         self._divide(table, found)
         return True
 
-    def moved_facets(self, rigid: Any) -> np.ndarray:
-        """The share's facets that have moved since this was last asked: all but resting rigid ones.
+    def awake(
+        self, laws: Contact, table: Table, u: np.ndarray, step: tuple[float, np.ndarray]
+    ) -> tuple[Patches, np.ndarray]:
+        """The patches that may have a pair in a step, and the facets to be moved for them.
 
-        Those of rigid bodies come last.
+        `u` are displacements of the share's vertices, (v, 4); for `step` see `find_awake`.
         """
-        moving = self.share.moving
-        if not len(rigid):
-            return moving
-        poses = rigid.motion["centre"].tobytes() + rigid.motion["rotation"].tobytes()
-        rests, self._poses = poses == self._poses, poses
-        return moving[: self._soft] if rests and not needed(0) else moving
-
-    def walks(self, travel: float) -> bool:
-        """Whether facets next to others are to be found anew, given a step's travel in cells."""
-        self._walked += travel
-        again = bool(self._walked > WALK)
-        self._walked = 0.0 if again else self._walked
-        return again
+        share, patches = self.share, self.patches
+        moved = share.cells, u, share.before
+        moving = share.moving, self._marks, self._chosen, self._count
+        frame, every = self.scene.domain.frame, self.candidates
+        awake, self._count = self.call(
+            find_awake, frame, laws, table.surface, moved, step, every, patches, moving
+        )
+        return patches.first(awake), self._chosen[: self._count]
 
     def has(self, bodies: np.ndarray) -> np.ndarray:
         """Mask of the pairs of bodies, (n, 2), in the rank's groups; on the root those in none."""
@@ -344,58 +304,20 @@ class Proximity:
         own = self.groups.rank[self.groups.number(self.met)] == self.comm.rank
         mine = np.flatnonzero(own[of])
         self.candidates, self._found = every[mine], (every, mine)
-        group = self.groups.of[surface.body[self._moving]]
-        joins, surface.now[:] = group >= 0, np.inf
-        rank = np.where(joins, self.groups.rank[group], self.comm.rank)
-        used = np.full(len(table.keys), -1)
-        for each in range(self.comm.size):
-            used[self._vertices(table, self._moving[joins & (rank == each)])[0]] = each
-        own = np.flatnonzero((used >= 0) & (self._records >= 0))
-        own = own[np.argsort(used[own], kind="stable")]
-        parts = self.comm.allgather((own, np.bincount(used[own], minlength=self.comm.size)))
-        here = self.comm.rank
-        get = [each[used[each] == here] for each, _ in parts]
-        marks, cells = self._vertices(table, self._moving[rank == here])
-        number = np.cumsum(marks) - 1
-        mapped = cells._replace(corners=number[cells.corners], column=number[cells.column])
-        place, keys = number[np.concatenate(get)], table.keys[marks]
-        same = self.comm.size == 1 and np.array_equal(place, np.arange(len(keys)))
-        self.share = Share(
-            self._moving[rank == here], mapped, keys, self._records[own], table.keys[own],
-            np.array([parts[here][1], [len(each) for each in get]]), place, same,
-            _vertices_of(surface, mapped, self._moving[rank == here]),
-        )  # fmt: skip
-        self._poses = None
-        self._soft = int((surface.cell[self.share.moving] >= 0).sum())
+        surface.now[:] = np.inf
+        self.share = share_of(
+            self.comm, table, self._moving, self.groups, self._records, self._before
+        )
+        self.patches = Patches.of(surface, self.candidates)
+        self._chosen, self._count = np.empty_like(self.share.moving), 0
+        self._marks = np.zeros(1 + surface.patch.max(initial=-1), np.uint8)
         if len(self.scratch[-1][0]) < PIECES * len(mine):
             kept = kept_of(self.scene.dimension, PIECES * len(mine) * 5 // 4)
             self.scratch = (*self.scratch[:-1], kept)
 
     def _select(self, table: Table, facets: np.ndarray) -> Near:
-        """The cells and vertices of facets that may meet others; collective."""
-        marks, cells = self._vertices(table, facets)
-        number = np.cumsum(marks) - 1
-        # Cells of others have vertices of any number: they are not looked at.
-        mapped = cells._replace(corners=number[cells.corners], column=number[cells.column])
-        own = np.flatnonzero(marks & (self._records >= 0))
-        every = self.comm.allgather(number[own])
-        return Near(
-            len(facets) > 0, facets, mapped, table.keys[marks], self._records[own], number[own],
-            np.concatenate(every), np.array([len(each) for each in every]),
-        )  # fmt: skip
-
-    def _vertices(self, table: Table, facets: np.ndarray) -> tuple[np.ndarray, SurfaceCells]:
-        """Mask of the vertices that move some facets; all cells."""
-        cells = table.cells
-        marks, used = np.zeros(len(table.keys), bool), np.zeros(len(cells.low), bool)
-        some = table.surface.cell[facets]
-        used[some[some >= 0]] = True
-        for _ in range(self.scene.dimension - 1):  # facets may reach into cells beside
-            beside = cells.beside[used]
-            used[beside[beside >= 0]] = True
-        marks[cells.corners[used].reshape(-1)] = True
-        marks[cells.column[np.repeat(used, np.diff(cells.start))]] = True
-        return marks, cells
+        """See `select`; collective."""
+        return select(self.comm, table, facets, self._records)
 
     def displacements(self, rank: RankState, near: Near) -> np.ndarray | None:
         """Displacements of the near vertices, (v, 4), on the root; collective."""
@@ -419,10 +341,13 @@ class Proximity:
         return found
 
 
-def _vertices_of(surface: Surface, cells: SurfaceCells, facets: np.ndarray) -> np.ndarray:
-    """Bodies, and the vertices of the cells of some of their facets, each once, (n, 2)."""
-    cell, at = np.unique(surface.cell[facets], return_index=True)
-    body, corners = surface.body[facets[at[cell >= 0]]], cells.corners[cell[cell >= 0]]
-    count = 1 + int(corners.max(initial=0))
-    pairs = np.unique(body[:, None] * count + corners)
-    return np.column_stack(np.divmod(pairs, count))
+def _known(every: np.ndarray) -> np.ndarray:
+    """What is known of candidates, (n, `_WIDTH`) float64."""
+    return np.column_stack([*(every[name] for name in _KEPT), every["way"]])
+
+
+def _know(every: np.ndarray, numbers: Any, known: np.ndarray) -> None:
+    """Set what is known of some candidates."""
+    for name, values in zip(_KEPT, known.T, strict=False):
+        every[name][numbers] = values
+    every["way"][numbers] = known[:, len(_KEPT) :]

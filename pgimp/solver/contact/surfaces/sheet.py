@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pgimp.jit.bound import Bound
-from pgimp.kernels.contact.surfaces.data import Surface, no_facets
+from pgimp.kernels.contact.surfaces.data import Patches, Surface, no_facets
 from pgimp.kernels.contact.surfaces.gaps import find_gaps
 from pgimp.kernels.contact.surfaces.loads import HEAT, IMPULSE, PRESSED, SLIP
 from pgimp.kernels.contact.surfaces.motion import move_facets
@@ -112,7 +112,8 @@ class Sheets:
         )
         for every in (candidates.copy(), others[:number]):
             call(find_gaps, frame, laws, proximity.walls, surface, (table.cells, u), scratch,
-                 (proximity.far, True, np.full(len(acts), -1.0)), every)  # fmt: skip
+                 (proximity.far, np.full(len(acts), -1.0)),
+                 (every, Patches.of(surface, every)))  # fmt: skip
             some = every[np.isfinite(every["gap"])]
             np.fmin.at(found, some["facet"], some["gap"])
             if every is not others:  # of a body that meets itself one side looks for the other

@@ -1,0 +1,128 @@
+"""What ranks have of the surfaces near others: facets, their cells, and the vertices of these."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from pgimp.kernels.contact.surfaces.data import Surface, SurfaceCells
+from pgimp.mpi.communicator import Communicator
+from pgimp.solver.contact.impulses.messages import swap
+from pgimp.solver.contact.surfaces.groups import Groups
+from pgimp.solver.contact.surfaces.table import Table
+
+
+class Near(NamedTuple):
+    """Vertices that move facets near other bodies, until the next search."""
+
+    any: bool  #: Whether there are any.
+    facets: np.ndarray  #: (n,) int64: All facets of clusters that may meet others.
+    cells: SurfaceCells  #: Cells with the vertices' numbers among those below.
+    keys: np.ndarray  #: (v,) int64: Keys of the vertices that move these facets.
+    records: np.ndarray  #: (o,) int64: Records of those that the rank owns.
+    own: np.ndarray  #: (o,) int64: Their numbers.
+    every: np.ndarray  #: (v,) int64: Numbers of those of all ranks, one rank after the other.
+    counts: np.ndarray  #: (ranks,) int64: How many each rank owns.
+
+
+class Share(NamedTuple):
+    """What a rank has of the groups of bodies near each other, until the next search."""
+
+    moving: np.ndarray  #: (k,) int64: Its facets near others, and those near them.
+    cells: SurfaceCells  #: Cells with the vertices' numbers among those below.
+    keys: np.ndarray  #: (v,) int64: Keys of the vertices that move these facets.
+    #: records, sent: (o,) int64: Records of its own vertices that any rank needs, by rank; keys.
+    records: np.ndarray
+    sent: np.ndarray
+    counts: np.ndarray  #: (2, ranks) int64: How many of these each rank needs, and it has of each.
+    place: np.ndarray  #: (v,) int64: Numbers of those that it gets.
+    same: bool  #: Whether these are its own, in their order.
+    of: np.ndarray  #: (n, 2) int64: Bodies, and the vertices of the cells of their facets.
+    before: np.ndarray  #: (v, 4) float64: Displacements at the last search.
+
+    def gather(self, comm: Communicator, values: np.ndarray) -> np.ndarray:
+        """What all ranks have at the share's vertices, given that of `sent`; collective."""
+        if self.same:
+            return values
+        arrived = values if comm.size == 1 else swap(comm, values, *self.counts)
+        found = np.zeros((len(self.keys), *values.shape[1:]), values.dtype)
+        found[self.place] = arrived
+        return found
+
+
+def moving_vertices(table: Table, facets: np.ndarray) -> np.ndarray:
+    """Mask of the vertices that move some facets, also in the cells beside theirs."""
+    cells = table.cells
+    marks, used = np.zeros(len(table.keys), bool), np.zeros(len(cells.low), bool)
+    some = table.surface.cell[facets]
+    used[some[some >= 0]] = True
+    for _ in range(cells.corners.shape[1].bit_length() - 2):  # facets may reach into cells beside
+        beside = cells.beside[used]
+        used[beside[beside >= 0]] = True
+    marks[cells.corners[used].reshape(-1)] = True
+    marks[cells.column[np.repeat(used, np.diff(cells.start))]] = True
+    return marks
+
+
+def _numbered(cells: SurfaceCells, marks: np.ndarray) -> tuple[np.ndarray, SurfaceCells]:
+    """Numbers of vertices among those of a mask, and the cells with these.
+
+    Other cells have vertices of any number: they are not looked at.
+    """
+    number = np.cumsum(marks) - 1
+    return number, cells._replace(corners=number[cells.corners], column=number[cells.column])
+
+
+def select(comm: Communicator, table: Table, facets: np.ndarray, records: np.ndarray) -> Near:
+    """The cells and vertices of facets that may meet others; collective.
+
+    `records` are those of the surface vertices, -1 where another rank has one.
+    """
+    marks = moving_vertices(table, facets)
+    number, mapped = _numbered(table.cells, marks)
+    own = np.flatnonzero(marks & (records >= 0))
+    every = comm.allgather(number[own])
+    return Near(
+        len(facets) > 0, facets, mapped, table.keys[marks], records[own], number[own],
+        np.concatenate(every), np.array([len(each) for each in every]),
+    )  # fmt: skip
+
+
+def share_of(
+    comm: Communicator, table: Table, moving: np.ndarray, groups: Groups, records: np.ndarray,
+    before: np.ndarray,
+) -> Share:  # fmt: skip
+    """The rank's share of the facets near others, `moving`; collective.
+
+    `records` and `before`, displacements at the last search, are those of the surface vertices.
+    """
+    surface = table.surface
+    group = groups.of[surface.body[moving]]
+    joins = group >= 0
+    rank = np.where(joins, groups.rank[group], comm.rank)
+    used = np.full(len(table.keys), -1)
+    for each in range(comm.size):
+        used[moving_vertices(table, moving[joins & (rank == each)])] = each
+    own = np.flatnonzero((used >= 0) & (records >= 0))
+    own = own[np.argsort(used[own], kind="stable")]
+    parts = comm.allgather((own, np.bincount(used[own], minlength=comm.size)))
+    get, mine = [each[used[each] == comm.rank] for each, _ in parts], moving[rank == comm.rank]
+    marks = moving_vertices(table, mine)
+    number, mapped = _numbered(table.cells, marks)
+    place, keys = number[np.concatenate(get)], table.keys[marks]
+    same = comm.size == 1 and np.array_equal(place, np.arange(len(keys)))
+    return Share(
+        mine, mapped, keys, records[own], table.keys[own],
+        np.array([parts[comm.rank][1], [len(each) for each in get]]), place, same,
+        _vertices_of(surface, mapped, mine), np.pad(before[marks], ((0, 0), (0, 1))),
+    )  # fmt: skip
+
+
+def _vertices_of(surface: Surface, cells: SurfaceCells, facets: np.ndarray) -> np.ndarray:
+    """Bodies, and the vertices of the cells of some of their facets, each once, (n, 2)."""
+    cell, at = np.unique(surface.cell[facets], return_index=True)
+    body, corners = surface.body[facets[at[cell >= 0]]], cells.corners[cell[cell >= 0]]
+    count = 1 + int(corners.max(initial=0))
+    pairs = np.unique(body[:, None] * count + corners)
+    return np.column_stack(np.divmod(pairs, count))
