@@ -20,7 +20,8 @@ from pgimp.kernels.data.particles import FloatArray, IntArray
 #:
 #: The first one of a patch has what is known of all since the facets next to them were found, see
 #: `pgimp.kernels.contact.surfaces.awake`: the way by which gaps were from closing, the ways of the
-#: cells' vertices relative to their means, and the vector between the middle facets.
+#: cells' vertices relative to their means, and the vector between the middle facets. Last there are
+#: the steps for which it rests.
 NEAR_FACET = structure(
     ("facet", "i8"),
     ("body", "i8"),
@@ -38,6 +39,7 @@ NEAR_FACET = structure(
     ("clear", "f8"),
     ("loose", "f8"),
     ("way", "f8", 3),
+    ("pause", "i8"),
 )
 
 
@@ -89,18 +91,22 @@ class Patches(NamedTuple):
     start: IntArray  #: (patches + 1,) int64: The first facet near the body of each.
     awake: IntArray  #: (k,) int64: Numbers of those that may have a pair, ascending.
     walks: NDArray[np.uint8]  #: (k,): 1 where facets next to them are to be found anew.
+    ways: FloatArray  #: (k,) float64: Ways by which bodies may come nearer there in a step.
 
     @classmethod
-    def of(cls, surface: Surface, every: NDArray) -> Self:
+    def of(cls, surface: Surface, every: NDArray, way: float = 0.0) -> Self:
         """The patches of facets near other bodies, by patch and body; all of them matter."""
         patch, body = surface.patch[every["facet"]], every["body"]
         begin = np.flatnonzero(np.diff(patch, prepend=-1) | np.diff(body, prepend=-1))
         awake = np.arange(len(begin))
-        return cls(np.append(begin, len(every)), awake, np.ones(len(begin), np.uint8))
+        ways = np.full(len(begin), way)
+        return cls(np.append(begin, len(every)), awake, np.ones(len(begin), np.uint8), ways)
 
     def first(self, count: int) -> Self:
         """With only the first ones of those that are awake."""
-        return self._replace(awake=self.awake[:count], walks=self.walks[:count])
+        return self._replace(
+            awake=self.awake[:count], walks=self.walks[:count], ways=self.ways[:count]
+        )
 
 
 @inlined
@@ -125,4 +131,4 @@ def no_facets(count: int) -> NDArray:
 def begin_near(every: NDArray) -> None:
     """Set that nothing is known yet of facets near other bodies, but what is next to them."""
     every["gap"], every["side"], every["way"] = np.inf, -1, 0.0
-    every["clear"], every["loose"] = -np.inf, np.inf
+    every["clear"], every["loose"], every["pause"] = -np.inf, np.inf, 0

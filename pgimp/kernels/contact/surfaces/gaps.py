@@ -271,14 +271,13 @@ def find_gaps(frame, contact, walls, surface, moved, scratch, far, near):
         The cells, and the displacements of the surface vertices.
     scratch
         As of `move_facets`.
-    far : (float, (bodies,) float64)
-        Greatest distance: farther away the cell's displacements, extrapolated, may fold. The ways
-        of the fastest vertices in a step, see `law_of`; below 0 every gap is looked for.
+    far : float
+        Greatest distance: farther away the cell's displacements, extrapolated, may fold.
     near : ((n,) NEAR_FACET, Patches)
         The facets, by patch and body; `other` is where the search for the one next to them begins.
-        Those of patches that rest stay as they are.
+        Those of patches that rest stay as they are. Of ways below 0 every gap is looked for.
     """
-    D, (cells, u), (farthest, travels), (every, patches) = len(frame.cell), moved, far, near
+    D, (cells, u), (every, patches) = len(frame.cell), moved, near
     cell, c, used = frame.cell[0], -1, 0
     for d in range(D):
         cell = min(cell, frame.cell[d])
@@ -286,15 +285,15 @@ def find_gaps(frame, contact, walls, surface, moved, scratch, far, near):
         g, walks = patches.awake[k], patches.walks[k] != 0
         first, last, clear, least = patches.start[g], patches.start[g + 1], inf, inf
         body, s = every[first].body, every[first].facet
-        law = law_of(contact.pairs, surface.body[s], body, cell, travels)
-        looks = law[2] if travels[0] >= 0.0 else inf
+        law = law_of(contact.pairs, surface.body[s], body, cell, patches.ways[k])
+        looks = law[2] if patches.ways[k] >= 0.0 else inf
         if body >= walls.first:
             clear = _find_wall_gaps(frame, walls, surface, every, first, last)
             if walks:
                 _keep_way(surface, every, first, last, clear)
             continue
         for n in range(first, last):
-            every[n].gap, away = approach(D, surface, every[n], frame.cell[0], walks, farthest)
+            every[n].gap, away = approach(D, surface, every[n], frame.cell[0], walks, far)
             least, clear = min(least, every[n].gap), min(clear, away)
         for n in range(first, last):
             one = every[n]

@@ -217,24 +217,3 @@ def read_vertices(holding, field, keys, records, values, u):
     for n in range(len(keys)):
         for d in range(4):
             u[n, d] = motion[records[n] * RECORD + DISPLACEMENT + d]
-
-
-@kernel
-def find_travels(values, of, dt, travels):
-    """Increase the ways of bodies' fastest vertices in a step.
-
-    Parameters
-    ----------
-    values : (m,) REFERENCE_VERTEX
-        Surface vertices.
-    of : (k, 2) int64
-        Bodies, and the vertices that move them.
-    dt : float
-        The step.
-    travels : (bodies,) float64
-        Greatest components of their ways.
-    """
-    for n in range(len(of)):
-        for d in range(3):
-            way = dt * abs(values[of[n, 1]].velocity[d])
-            travels[of[n, 0]] = max(travels[of[n, 0]], way)

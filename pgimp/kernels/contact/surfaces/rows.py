@@ -186,9 +186,8 @@ def find_patch_pairs(
     near : ((n,) NEAR_FACET, Patches)
         Facets with their gaps, by patch and other body. Sides and weights are set here, of patches
         that are awake.
-    step : (float, (bodies,) float64, (n,) KEPT_FORCE)
-        Length of the step, the ways of the fastest vertices in it, see `law_of`, and forces of
-        the last step, see `begin_impulses`.
+    step : (float, (n,) KEPT_FORCE)
+        Length of the step, and forces of the last step, see `begin_impulses`.
     scratch : ((m, NUMBERS) float64, (2, m) int64, (2^D,) float64, pieces, kept)
         The records of `ReferenceVertices`, and scratch; the last two as of `scratch_of`.
     found : (ContactPairs, Coupling)
@@ -199,7 +198,7 @@ def find_patch_pairs(
     tuple of 3 int
         Numbers of pairs, rows and entries.
     """
-    D, (numbers, seen, sums, _, _), (dt, travels, kept) = len(frame.cell), scratch, step
+    D, (numbers, seen, sums, _, _), (dt, kept) = len(frame.cell), scratch, step
     (contact_pairs, coupling), (every, patches), cell = found, near, frame.cell[0]
     for d in range(D):
         cell = min(cell, frame.cell[d])
@@ -210,7 +209,7 @@ def find_patch_pairs(
     for k in range(len(patches.awake)):
         first, last = patches.start[patches.awake[k]], patches.start[patches.awake[k] + 1]
         s = every[first].facet
-        law = law_of(contact.pairs, surface.body[s], every[first].body, cell, travels)
+        law = law_of(contact.pairs, surface.body[s], every[first].body, cell, patches.ways[k])
         sides, side = 0, -1
         if law[0] > 0:
             sides = find_sides(surface, every, first, last, law[2])

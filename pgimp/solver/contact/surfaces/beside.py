@@ -81,19 +81,20 @@ class MixedContact(SurfaceContact):
 
     def _meet(self, rank: RankState, update: VertexUpdate, table: Table) -> None:
         """See `SurfaceContact._meet`."""
-        near, material = self._proximity.near, self._material
+        near, material = self._proximity.facets, self._material
         assert near is not None and material is not None
         rigid, t = self.rigid_bodies, update.t
         found: list[Joint | None] = []
-        if needed(near.any):
+        if needed(len(near)):
             found.append(self._joint(rank, update, table))
         material.look(rank, table, rigid, t.dt, self._rate)
         assert material.near is not None
         if needed(material.near.any):
             met = material.meet(rank, rigid, self._holding(update))
             if met is not None:
-                step = t.dt, self._travels(met.speed, t.dt), self._warm_start.kept
-                of = met.every, Patches.of(met.surface, met.every)
+                step = t.dt, self._warm_start.kept
+                way = max(met.speed, self._rate * min(self.scene.domain.frame.cell)) * t.dt
+                of = met.every, Patches.of(met.surface, met.every, way)
                 found.append(
                     self._pairs(met.surface, met.cells, of, met.vertices, step, self._beside)
                 )

@@ -27,7 +27,7 @@ from pgimp.kernels.contact.surfaces.gaps import find_gaps
 from pgimp.kernels.contact.surfaces.groups import book_groups
 from pgimp.kernels.contact.surfaces.levels import TOUCHES
 from pgimp.kernels.contact.surfaces.loads import add_loads
-from pgimp.kernels.contact.surfaces.motion import find_travels, move_facets, read_vertices
+from pgimp.kernels.contact.surfaces.motion import move_facets, read_vertices
 from pgimp.kernels.contact.surfaces.rows import PARTS, find_patch_pairs
 from pgimp.kernels.contact.surfaces.soft import LEAST_AREA, apply_impulses, soften
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
@@ -190,9 +190,9 @@ class SurfaceContact(ImpulseContact):
 
     def _meet(self, rank: RankState, update: VertexUpdate, table: Table) -> None:
         """Find the pairs, and exchange impulses; collective."""
-        near = self._proximity.near
+        near = self._proximity.facets
         assert near is not None
-        if needed(near.any):
+        if needed(len(near)):
             self._act(rank, update, self._joint(rank, update, table))
         else:
             self._warm_start.clear()
@@ -216,26 +216,18 @@ class SurfaceContact(ImpulseContact):
         call(read_vertices, self._holding(update), grid.field, share.sent, share.records, values, u)
         u, values = share.gather(self.comm, u), share.gather(self.comm, values)
         dt = update.t.dt
-        travels = self._travels(0.0, dt)
-        call(find_travels, values, share.of, dt, travels)
         laws, rigid = self._contact, self.rigid_bodies
-        patches, moving = proximity.awake(laws, table, u, (dt, travels))
+        patches, moving = proximity.awake(laws, table, u, flat(values), dt)
         call(move_facets, frame, rigid, surface, cells, u, moving, proximity.scratch)
         call(
             find_gaps, frame, laws, self._walls, surface, (cells, u), proximity.scratch,
-            (proximity.far, travels), (every, patches),
+            proximity.far, (every, patches),
         )  # fmt: skip
-        step = dt, travels, self._warm_start.kept
+        step = dt, self._warm_start.kept
         vertices = ReferenceVertices(share.keys, values)
         joint = self._pairs(surface, cells, (every, patches), vertices, step, self._room)
         self._depth.note(every, surface, update.t.start)
         return joint
-
-    def _travels(self, speed: float, dt: float) -> np.ndarray:
-        """Ways of the fastest vertices of bodies, rigid bodies and walls in a step."""
-        found = np.full(self._walls.first + len(self._walls.planes), speed * dt)
-        found[self.bodies : self._walls.first] = self._rate * min(self.scene.domain.frame.cell) * dt
-        return found
 
     def _act(self, rank: RankState, update: VertexUpdate, joint: Joint | None) -> None:
         """Solve for the impulses of the rank's pairs, and apply them; collective."""
@@ -311,12 +303,11 @@ class SurfaceContact(ImpulseContact):
 
     def _pairs(
         self, surface: Surface, cells: SurfaceCells, near: tuple[np.ndarray, Patches],
-        reference: ReferenceVertices, step: tuple[float, np.ndarray, np.ndarray], room: Room,
+        reference: ReferenceVertices, step: tuple[float, np.ndarray], room: Room,
     ) -> Joint:  # fmt: skip
         """The pairs of patches and other bodies, with their rows of B, in `room`.
 
-        `near` are facets near others, and their patches. `step` has its length, the ways of the
-        bodies' fastest vertices, and kept forces.
+        `near` are facets near others, and their patches; `step` has its length, and kept forces.
         """
         call, frame, (keys, values) = self.call, self.scene.domain.frame, reference
         seen, sums = np.empty((2, len(keys)), np.int64), np.empty(2 ** len(frame.cell))

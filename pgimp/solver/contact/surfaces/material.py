@@ -37,13 +37,16 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.grown import grown
 from pgimp.solver.contact.impulses.messages import greatest, united
-from pgimp.solver.contact.surfaces.proximity import LONGEST, TRAVEL, Proximity
-from pgimp.solver.contact.surfaces.shares import Near
+from pgimp.solver.contact.surfaces.proximity import LONGEST, Proximity
+from pgimp.solver.contact.surfaces.shares import Near, select
 from pgimp.solver.contact.surfaces.table import Table, bits_of, records_of
 from pgimp.solver.rank_state import RankState
 
 #: Farther than any bin or vertex.
 FAR = 1 << 40
+
+#: Cells by which bodies and material may move until the next search.
+TRAVEL = 0.25
 
 #: Cells from a facet within which particles count, and how far vertices that move a place are.
 _WITHIN, _AWAY = 2.0, 2 + int(STEP * TRIES)
@@ -84,6 +87,7 @@ class NearMaterial(Proximity):
         )
         self._low, self._marks = np.zeros(3, np.int64), np.zeros((0, 0, 0), np.uint8)
         self._surface: Surface | None = None
+        self.near: Near | None = None
 
     def look(self, rank: RankState, table: Table, rigid: Any, dt: float, rate: float) -> None:
         """Search, if any facets may have come near material since; collective."""
@@ -104,14 +108,14 @@ class NearMaterial(Proximity):
         self._surface = surface._replace(now=surface.now.copy(), turned=surface.turned.copy())
         facets = table.facets(near)
         facets = facets[np.argsort(surface.patch[facets], kind="stable")]
-        self.near = self._select(table, facets)
+        self.near = select(self.comm, table, facets, self._records)
 
-    def _locate(self, rank: RankState, table: Table, facets: np.ndarray | None = None) -> None:
+    def _locate(self, rank: RankState, table: Table) -> None:
         """See `Proximity._locate`; the root has all pairs."""
         self._window, self._records = rank.grid.window, records_of(rank, table.numbers)
         self._find_root(rank)
         if self.near is not None:
-            self.near = self._select(table, self.near.facets)
+            self.near = select(self.comm, table, self.near.facets, self._records)
 
     def _speed(self, rank: RankState) -> float:
         """Greatest component of a velocity of the surfaces' vertices; collective."""
@@ -170,7 +174,7 @@ class NearMaterial(Proximity):
             parts = self.comm.gather(table[:count], self.root)
         mine = np.empty(len(near.own), REFERENCE_VERTEX)
         call(read_reference_vertices, holding, rank.grid.field, near.keys[near.own], mine)
-        u, values = self.displacements(rank, near), self.on_root(near, mine)
+        u, values = near.displacements(rank, self.root), near.on_root(self.comm, self.root, mine)
         every, into, marks, low = no_facets(0), np.zeros((0, 3)), np.zeros((0, 0, 0, 0)), self._low
         if u is not None:
             call(move_facets, frame, rigid, surface, near.cells, u, near.facets, self.scratch)

@@ -19,14 +19,15 @@ from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_VELOCITY
 from pgimp.kernels.data.record import RECORD
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
-from pgimp.solver.contact.impulses.messages import greatest, swap
+from pgimp.solver.contact.impulses.messages import greatest
 from pgimp.solver.contact.surfaces.candidates import (
     boxes_of,
+    candidates_of,
     find_candidates,
     find_meeting_clusters,
 )
 from pgimp.solver.contact.surfaces.groups import Groups, find_groups
-from pgimp.solver.contact.surfaces.shares import Near, Share, select, share_of
+from pgimp.solver.contact.surfaces.shares import Share, share_of
 from pgimp.solver.contact.surfaces.table import Table, records_of
 from pgimp.solver.rank_state import RankState
 
@@ -41,9 +42,6 @@ _LEAST, _AHEAD = 0.02, 2.0
 PIECES = 3
 
 U = slice(DISPLACEMENT, DISPLACEMENT + 3)
-
-#: With a number that means nothing, for kernels.
-U4 = slice(DISPLACEMENT, DISPLACEMENT + 4)
 
 #: What is known of each candidate, the last in three components: what a checkpoint has. Before it
 #: there are the displacements at the last search, the facets near others and those that move; and
@@ -62,8 +60,8 @@ class Proximity:
 
     Attributes
     ----------
-    near : Near
-        What may meet.
+    facets : (n,) int64 or None
+        All facets of clusters that may meet others; None before the first search.
     candidates : (n,) NEAR_FACET
         Facets near another body, by patch and body, with the nearest facet there: those of the
         rank's groups.
@@ -85,7 +83,7 @@ class Proximity:
 
     def __init__(self, scene: Scene, comm: Communicator, walls: SeparatingWalls) -> None:
         self.scene, self.comm, self.walls, self.call = scene, comm, walls, Bound()
-        self.near: Near | None = None
+        self.facets: np.ndarray | None = None
         self.candidates, self._moving = no_facets(0), np.empty(0, np.int64)
         self._found = self.candidates, np.empty(0, np.int64)  # of all ranks, and which are its own
         self.labels, self.root = np.empty(0, np.int64), 0
@@ -118,7 +116,7 @@ class Proximity:
 
     def restart(self) -> None:
         """Search in the next step: the surfaces have changed."""
-        self._pause, self._window, self.near = 0, None, None
+        self._pause, self._window, self.facets = 0, None, None
 
     def relocate(self) -> None:
         """Note that vertices have changed ranks, perhaps. This is no reason to search."""
@@ -131,12 +129,12 @@ class Proximity:
         Collective. It is state: in a concave corner the facet next to another may depend on where
         the way to it begins.
         """
-        if self.near is None:
+        if self.facets is None:
             return np.empty(0)
         every = self._everyone()
         if self.comm.rank != self.root:
             return np.empty(0)
-        parts = self._before.reshape(-1), self.near.facets, self._moving, _known(every).reshape(-1)
+        parts = self._before.reshape(-1), self.facets, self._moving, _known(every).reshape(-1)
         numbers = [self._pause, self._moved, self._travel]
         return np.concatenate([numbers, list(map(len, parts)), *parts])
 
@@ -152,29 +150,23 @@ class Proximity:
         if sizes[0] != 3 * len(table.keys) or len(state) != head + sizes.sum():
             return
         before, facets, moving, known = np.split(state[head:], np.cumsum(sizes[:-1]))
-        facets, self._moving = facets.astype(np.int64), moving.astype(np.int64)
+        self.facets, self._moving = facets.astype(np.int64), moving.astype(np.int64)
         self._pause = int(state[0])
         self._moved, self._travel = state[1:_NUMBERS].tolist()
         self._before = before.reshape(-1, 3)
         found = no_facets(len(known) // _WIDTH)
         begin_near(found)
         _know(found, slice(None), known.reshape(-1, _WIDTH))
-        self._find_root(rank)
-        self._locate(rank, table, facets)
-        self._divide(table, found)
+        self._found = found, np.empty(0, np.int64)
+        self.candidates = found[:0]
+        self._locate(rank, table)
 
-    def _locate(self, rank: RankState, table: Table, facets: np.ndarray | None = None) -> None:
-        """Find the records of vertices, those near others on all ranks, and the root; collective.
-
-        `facets` are those that may meet others, by default as they were.
-        """
-        self._window, near = rank.grid.window, self.near
+    def _locate(self, rank: RankState, table: Table) -> None:
+        """Find the records of vertices, the root, and the rank's share as it was; collective."""
+        self._window = rank.grid.window
         self._records = records_of(rank, table.numbers)
-        if facets is not None:
-            self.near = self._select(table, facets)
-        elif near is not None:
+        if self.facets is not None:
             self._find_root(rank)
-            self.near = self._select(table, near.facets)
             self._divide(table, self._everyone())
 
     def everyone(self) -> tuple[np.ndarray, np.ndarray]:
@@ -230,7 +222,7 @@ class Proximity:
             self._continue(rank, table)
         if self._window is not rank.grid.window:
             self._locate(rank, table)
-            divided = self.near is not None
+            divided = self.facets is not None
         self._moved += rate * dt
         self._pause -= 1
         if self._pause >= 0:
@@ -241,7 +233,7 @@ class Proximity:
         speed = np.abs(motion[:, KEPT_VELOCITY : KEPT_VELOCITY + D]) * inverse
         travel = max(greatest(self.comm, float(speed.max(initial=0.0))), rate) * dt
         moved = np.inf
-        if self.near is not None:
+        if self.facets is not None:
             away = np.abs(motion[:, U] - self._before[own])[:, :D] * inverse
             moved = float(away.max(initial=0.0))
         left = self._travel - max(greatest(self.comm, moved), self._moved)
@@ -257,29 +249,33 @@ class Proximity:
         meeting = find_meeting_clusters(call, scene, walls, table, acts, boxes, reach)
         facets = table.facets(np.unique(meeting.pairs))
         near = np.unique(np.concatenate([facets, *meeting.on_walls.values()]))
-        self.near = self._select(table, near)
-        u, found, self._moving = self.displacements(rank, self.near), no_facets(0), near[:0]
-        if u is not None and needed(self.near.any):
-            of = table.surface, self.near.cells, u, self.near.facets, self.scratch
+        found, self.facets, self._moving = np.empty((0, 3), np.int64), near, near[:0]
+        if needed(len(near)):
+            u = np.pad(self._before, ((0, 0), (0, 1)))
+            of = table.surface, table.cells, u, near, self.scratch
             call(move_facets, scene.domain.frame, rigid, *of)
-            found, self._moving = find_candidates(call, scene, walls, table, acts, meeting, reach)
-        found, self._moving = self.comm.bcast((found, self._moving), self.root)
-        self._divide(table, found)
+            part = self.comm.rank, self.comm.size
+            parts = self.comm.allgather(
+                find_candidates(call, scene, walls, table, acts, meeting, reach, part)
+            )
+            found = np.concatenate([each[0] for each in parts])
+            self._moving = np.unique(np.concatenate([each[1] for each in parts]))
+        self._divide(table, candidates_of(table.surface, found))
         return True
 
     def awake(
-        self, laws: Contact, table: Table, u: np.ndarray, step: tuple[float, np.ndarray]
+        self, laws: Contact, table: Table, u: np.ndarray, values: np.ndarray, dt: float
     ) -> tuple[Patches, np.ndarray]:
         """The patches that may have a pair in a step, and the facets to be moved for them.
 
-        `u` are displacements of the share's vertices, (v, 4); for `step` see `find_awake`.
+        `u` and `values` are displacements of the share's vertices, (v, 4), and their records.
         """
         share, patches = self.share, self.patches
-        moved = share.cells, u, share.before
+        moved = share.cells, u, u - share.before, values
         moving = share.moving, self._marks, self._chosen, self._count
         frame, every = self.scene.domain.frame, self.candidates
         awake, self._count = self.call(
-            find_awake, frame, laws, table.surface, moved, step, every, patches, moving
+            find_awake, frame, laws, table.surface, moved, dt, every, patches, moving
         )
         return patches.first(awake), self._chosen[: self._count]
 
@@ -314,31 +310,6 @@ class Proximity:
         if len(self.scratch[-1][0]) < PIECES * len(mine):
             kept = kept_of(self.scene.dimension, PIECES * len(mine) * 5 // 4)
             self.scratch = (*self.scratch[:-1], kept)
-
-    def _select(self, table: Table, facets: np.ndarray) -> Near:
-        """See `select`; collective."""
-        return select(self.comm, table, facets, self._records)
-
-    def displacements(self, rank: RankState, near: Near) -> np.ndarray | None:
-        """Displacements of the near vertices, (v, 4), on the root; collective."""
-        values = rank.grid.kept.values.reshape(-1, RECORD)
-        return self.on_root(near, np.ascontiguousarray(values[near.records, U4]))
-
-    def on_root(self, near: Near, values: np.ndarray) -> np.ndarray | None:
-        """What all ranks have at their near vertices, on the root; collective."""
-        found = np.zeros((len(near.keys), *values.shape[1:]), values.dtype)
-        if self.comm.size == 1:
-            found[near.own] = values
-            return found
-        sent, received = np.zeros((2, self.comm.size), np.int64)
-        sent[self.root] = len(values)
-        if self.comm.rank == self.root:
-            received[:] = near.counts
-        arrived = swap(self.comm, values, sent, received)
-        if self.comm.rank != self.root:
-            return None
-        found[near.every] = arrived
-        return found
 
 
 def _known(every: np.ndarray) -> np.ndarray:

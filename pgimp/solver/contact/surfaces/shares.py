@@ -6,11 +6,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pgimp.kernels.contact.surfaces.data import Surface, SurfaceCells
+from pgimp.kernels.contact.surfaces.data import SurfaceCells
+from pgimp.kernels.data.motion import DISPLACEMENT
+from pgimp.kernels.data.record import RECORD
 from pgimp.mpi.communicator import Communicator
 from pgimp.solver.contact.impulses.messages import swap
 from pgimp.solver.contact.surfaces.groups import Groups
 from pgimp.solver.contact.surfaces.table import Table
+from pgimp.solver.rank_state import RankState
 
 
 class Near(NamedTuple):
@@ -25,6 +28,28 @@ class Near(NamedTuple):
     every: np.ndarray  #: (v,) int64: Numbers of those of all ranks, one rank after the other.
     counts: np.ndarray  #: (ranks,) int64: How many each rank owns.
 
+    def displacements(self, rank: RankState, root: int) -> np.ndarray | None:
+        """Displacements of the vertices, (v, 4), on the root; collective."""
+        values = rank.grid.kept.values.reshape(-1, RECORD)
+        own = values[self.records, DISPLACEMENT : DISPLACEMENT + 4]
+        return self.on_root(rank.comm, root, np.ascontiguousarray(own))
+
+    def on_root(self, comm: Communicator, root: int, values: np.ndarray) -> np.ndarray | None:
+        """What all ranks have at their vertices, on the root; collective."""
+        found = np.zeros((len(self.keys), *values.shape[1:]), values.dtype)
+        if comm.size == 1:
+            found[self.own] = values
+            return found
+        sent, received = np.zeros((2, comm.size), np.int64)
+        sent[root] = len(values)
+        if comm.rank == root:
+            received[:] = self.counts
+        arrived = swap(comm, values, sent, received)
+        if comm.rank != root:
+            return None
+        found[self.every] = arrived
+        return found
+
 
 class Share(NamedTuple):
     """What a rank has of the groups of bodies near each other, until the next search."""
@@ -38,7 +63,6 @@ class Share(NamedTuple):
     counts: np.ndarray  #: (2, ranks) int64: How many of these each rank needs, and it has of each.
     place: np.ndarray  #: (v,) int64: Numbers of those that it gets.
     same: bool  #: Whether these are its own, in their order.
-    of: np.ndarray  #: (n, 2) int64: Bodies, and the vertices of the cells of their facets.
     before: np.ndarray  #: (v, 4) float64: Displacements at the last search.
 
     def gather(self, comm: Communicator, values: np.ndarray) -> np.ndarray:
@@ -115,14 +139,5 @@ def share_of(
     return Share(
         mine, mapped, keys, records[own], table.keys[own],
         np.array([parts[comm.rank][1], [len(each) for each in get]]), place, same,
-        _vertices_of(surface, mapped, mine), np.pad(before[marks], ((0, 0), (0, 1))),
+        np.pad(before[marks], ((0, 0), (0, 1))),
     )  # fmt: skip
-
-
-def _vertices_of(surface: Surface, cells: SurfaceCells, facets: np.ndarray) -> np.ndarray:
-    """Bodies, and the vertices of the cells of some of their facets, each once, (n, 2)."""
-    cell, at = np.unique(surface.cell[facets], return_index=True)
-    body, corners = surface.body[facets[at[cell >= 0]]], cells.corners[cell[cell >= 0]]
-    count = 1 + int(corners.max(initial=0))
-    pairs = np.unique(body[:, None] * count + corners)
-    return np.column_stack(np.divmod(pairs, count))

@@ -61,8 +61,9 @@ class Table(NamedTuple):
 
     def facets(self, clusters: np.ndarray) -> np.ndarray:
         """The facets of some clusters."""
-        every = [self.members[self.first[c] : self.first[c + 1]] for c in clusters.tolist()]
-        return np.concatenate([np.empty(0, np.int64), *every])
+        begin, count = self.first[clusters], self.first[clusters + 1] - self.first[clusters]
+        at = np.arange(count.sum()) + np.repeat(begin - np.cumsum(count) + count, count)
+        return self.members[at]
 
 
 def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
@@ -315,13 +316,3 @@ def bins_of(x: np.ndarray, side: float, D: int) -> tuple[np.ndarray, np.ndarray]
     key_of = bins @ strides
     strides[D:2] = 0  # neighbours along the last one have neighbouring keys
     return key_of, strides
-
-
-def sorted_bins(
-    x: np.ndarray, some: np.ndarray, side: float, D: int
-) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
-    """Some facets by bins, and these, see `find_meeting`; `x` are the centroids of all."""
-    x = x[some]
-    key_of, strides = bins_of(x, side, D)
-    order = np.argsort(key_of, kind="stable")
-    return some[order], (key_of[order], x[order], strides, np.empty((2, 9), np.int64))
