@@ -2,146 +2,184 @@
 
 When the facets next to a patch are found, so is the way by which patch and other body have to come
 nearer until a gap can close. In the steps after, of both only the middle facets are looked at: how
-they have moved relative to each other, and how the cells there have turned and strained. So bodies
-that move together cost nothing, however fast they are.
+they have moved relative to each other, and how the cells there have turned and strained, in
+directions that the other body's surface carries along. So bodies that move together cost nothing,
+however fast they are.
 """
 
 from math import inf, sqrt
 
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.jit.vectors.rows import load_row
-from pgimp.jit.vectors.simd import lane, vector
-from pgimp.kernels.contact.surfaces.data import turns
+from pgimp.jit.vectors.simd import lane, pack, vector
+from pgimp.kernels.contact.surfaces.data import CLEAR, KNOWN, PAUSE, PLACE, turns
 from pgimp.kernels.contact.surfaces.levels import SOON, law_of
-from pgimp.kernels.contact.surfaces.motion import rigid_position
+from pgimp.kernels.contact.surfaces.motion import (
+    cofactors,
+    cross,
+    gradient,
+    rigid_position,
+    set_polynomial,
+    turned_normal,
+)
 from pgimp.kernels.rigid.bodies import arm_of
 
 #: Cells by which a patch moves beside another body before the facets next to it are found anew.
 WALK = 0.002
 
-#: Ways of facets of a patch relative to the middle one over those of its cell's vertices, relative
-#: to their mean: facets are up to a cell away, and what they meet turns as well.
-_AROUND = 2.5
+#: Cells from the middle facet of a patch to what is around it, and meets it; and over the greatest
+#: distance between vertices of a cell and its middle.
+_AROUND, _BEYOND = 1.0, 2.0
 
 #: Steps for which a patch rests without being looked at, at most.
 LONGEST = 16
 
 
 @inlined
-def _rigid(rigid_bodies, surface, f, cell):
-    """Position and velocity of a rigid facet, and the greatest velocities about it, of turning."""
+def _rigid_state(rigid_bodies, surface, f, cell):
+    """See `_state`."""
+    zero = vector(0.0)
     if not is_record(rigid_bodies):
-        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0
+        return zero, zero, (zero, zero, zero), 0.0
     x, t = rigid_position(rigid_bodies, surface, f), surface.body[f] - rigid_bodies.bodies
-    r, v = arm_of(rigid_bodies, t, x), rigid_bodies.motion[t].velocity_after
-    w = (
-        v[0] + v[4] * r[2] - v[5] * r[1], v[1] + v[5] * r[0] - v[3] * r[2],
-        v[2] + v[3] * r[1] - v[4] * r[0],
-    )  # fmt: skip
-    return x, w, cell * sqrt(v[3] ** 2 + v[4] ** 2 + v[5] ** 2)
-
-
-@inner_kernel
-def _greatest(D, cells, c, values, mean):
-    """Greatest distance of the vertices' values in a cell from their mean."""
-    most = 0.0
-    for corner in range(1 << D):
-        v = load_row(values, cells.corners[c, corner], 0) - mean
-        most = max(most, lane(v, 0) ** 2 + lane(v, 1) ** 2 + lane(v, 2) ** 2)
-    return sqrt(most)
-
-
-@inner_kernel
-def _moves(D, rigid_bodies, surface, moved, f, cell):
-    """Mean position and velocity of a facet, and how its cell's vertices move relative to it.
-
-    The latter are the greatest way since the last search, 0 of rigid facets, the greatest velocity,
-    and that of a rigid body's turning.
-    """
-    (cells, u, ways, values), c = moved, surface.cell[f]
-    if c < 0:
-        x, w, turning = _rigid(rigid_bodies, surface, f, cell)
-        return x, w, 0.0, turning, turning
-    at, v, mean, way = vector(0.0), vector(0.0), vector(0.0), vector(0.0)
-    for corner in range(1 << D):
-        n, part = cells.corners[c, corner], 1.0 / (1 << D)
-        own = load_row(values, n, 0)
-        at = surface.means[f, corner] * load_row(u, n, 0) + at
-        v = surface.means[f, corner] * own + v
-        mean, way = part * own + mean, part * load_row(ways, n, 0) + way
-    x = surface.x[f]
+    R, v = rigid_bodies.motion[t].rotation, rigid_bodies.motion[t].velocity_after
+    w = cross(pack(v[3], v[4], v[5], 0.0), in_lanes(arm_of(rigid_bodies, t, x)))
     return (
-        (x[0] + lane(at, 0), x[1] + lane(at, 1), x[2] + lane(at, 2)),
-        (lane(v, 0), lane(v, 1), lane(v, 2)),
-        _greatest(D, cells, c, ways, way), _greatest(D, cells, c, values, mean), 0.0,
+        in_lanes(x), pack(v[0] + w[0], v[1] + w[1], v[2] + w[2], 0.0),
+        (in_lanes(R[:, 0]), in_lanes(R[:, 1]), in_lanes(R[:, 2])),
+        cell * sqrt(v[3] ** 2 + v[4] ** 2 + v[5] ** 2),
     )  # fmt: skip
 
 
 @inner_kernel
-def _wakes(D, contact, surface, moved, every, first, last, step):
-    """Whether a patch may have a pair, whether the facets next to it are to be found anew.
+def in_lanes(v):
+    """Three components in lanes."""
+    return pack(v[0], v[1], v[2], 0.0)
 
-    Also the way by which it may come nearer in the step.
+
+@inner_kernel
+def dot(a, b):
+    """Product of vectors in lanes."""
+    return lane(a, 0) * lane(b, 0) + lane(a, 1) * lane(b, 1) + lane(a, 2) * lane(b, 2)
+
+
+@inner_kernel
+def _state(frame, rigid_bodies, surface, moved, P, f, cell):
+    """Position and velocity of a facet, its deformation gradient, greatest velocity about it.
+
+    Vectors are in lanes, the gradient is a triple of columns. `P` is scratch.
     """
-    (dt, cell), begin, rigid = step, every[first], contact.rigid_bodies
-    s, f = every[(first + last) // 2].facet, every[(first + last) // 2].other
-    x, v, loose, most, turning = _moves(D, rigid, surface, moved, s, cell)
-    square, closing = 0.0, 0.0
+    D, (cells, u, values), c = len(frame.cell), moved, surface.cell[f]
+    if c < 0:
+        return _rigid_state(rigid_bodies, surface, f, cell)
+    set_polynomial(D, cells, c, u, P)
+    F, p = gradient(frame, P, surface.place[f])
+    v, mean, part, most = vector(0.0), vector(0.0), 1.0 / (1 << D), 0.0
+    for corner in range(1 << D):
+        own = load_row(values, cells.corners[c, corner], 0)
+        v, mean = surface.means[f, corner] * own + v, part * own + mean
+    for corner in range(1 << D):
+        w = load_row(values, cells.corners[c, corner], 0) - mean
+        most = max(most, dot(w, w))
+    x = surface.x[f]
+    return pack(x[0] + p[0], x[1] + p[1], x[2] + p[2], 0.0), v, F, sqrt(most)
+
+
+@inner_kernel
+def _directions(D, surface, f, F):
+    """Orthonormal directions that a facet carries along, a triple in lanes."""
+    K, _ = cofactors(F)
+    n, e = in_lanes(turned_normal(K, surface.normal[f])), surface.edges[f, 0]
+    t = e[0] * F[0] + (e[1] * F[1] + e[2] * F[2])
+    whole, square = dot(n, n), dot(t, t)
+    if not (whole > 0.0 and square > 0.0):  # in 1D
+        return pack(1.0, 0.0, 0.0, 0.0), pack(0.0, 1.0, 0.0, 0.0), pack(0.0, 0.0, 1.0, 0.0)
+    n, t = (1.0 / sqrt(whole)) * n, (1.0 / sqrt(square)) * t
+    return n, t, in_lanes(cross(n, t))
+
+
+@inner_kernel
+def _set_local(Q, v, row, k):
+    """Set components of a vector along directions, from entry `k` of a row on."""
+    row[k], row[k + 1], row[k + 2] = dot(Q[0], v), dot(Q[1], v), dot(Q[2], v)
+
+
+@inner_kernel
+def set_place(frame, rigid_bodies, surface, moved, P, s, f, cell, row):
+    """Set the place of facet `s` relative to facet `f`, and deformations there, see `KNOWN`.
+
+    Returns the velocity at which they may come nearer. `f` below 0 is a wall.
+    """
+    D = len(frame.cell)
+    x, v, F, most = _state(frame, rigid_bodies, surface, moved, P, s, cell)
+    Q = pack(1.0, 0.0, 0.0, 0.0), pack(0.0, 1.0, 0.0, 0.0), pack(0.0, 0.0, 1.0, 0.0)
+    for k in range(PLACE + 12, KNOWN):
+        row[k] = 0.0
     if f >= 0:
-        y, w, loose_there, most_there, turning_there = _moves(D, rigid, surface, moved, f, cell)
-        loose, most, turning = loose + loose_there, most + most_there, turning + turning_there
-        x = (x[0] - y[0], x[1] - y[1], x[2] - y[2])
-        v = (v[0] - w[0], v[1] - w[1], v[2] - w[2])
-    for d in range(3):
-        off = x[d] - begin.way[d]
-        square += (off - (turns(surface, off, d) if f >= 0 else 0.0)) ** 2
-        closing += v[d] * v[d]
-    loose, way = _AROUND * loose, dt * (sqrt(closing) + _AROUND * most)
-    law = law_of(contact.pairs, surface.body[s], begin.body, cell, way)
-    off, turning = sqrt(square) + loose + begin.loose, _AROUND * dt * turning
-    begin.clear -= turning
-    left = begin.clear - off - law[2]
+        y, w, G, more = _state(frame, rigid_bodies, surface, moved, P, f, cell)
+        Q, v, most, r = _directions(D, surface, f, G), v - w, most + more, x - y
+        x = pack(
+            lane(r, 0) - turns(surface, lane(r, 0), 0), lane(r, 1) - turns(surface, lane(r, 1), 1),
+            lane(r, 2) - turns(surface, lane(r, 2), 2), 0.0,
+        )  # fmt: skip
+        for k in range(3):
+            _set_local(Q, G[k], row, PLACE + 12 + 3 * k)
+    _set_local(Q, x, row, PLACE)
+    for k in range(3):
+        _set_local(Q, F[k], row, PLACE + 3 + 3 * k)
+    return sqrt(dot(v, v)) + _BEYOND * most
+
+
+@inner_kernel
+def _wakes(contact, surface, known, now, body, way, cell):
+    """Whether a patch of facet's body may have a pair, and whether it walks; else its pause is set.
+
+    `known` and `now` are rows, see `KNOWN`; `way` is by how much it may come nearer in the step.
+    """
+    square, turned = 0.0, 0.0
+    for k in range(3):
+        square += (now[PLACE + k] - known[PLACE + k]) ** 2
+    for k in range(PLACE + 3, KNOWN):
+        turned += (now[k] - known[k]) ** 2
+    off = sqrt(square) + _AROUND * cell * sqrt(turned)
+    law = law_of(contact.pairs, body[0], body[1], cell, way)
+    left = known[CLEAR] - off - law[2]
     if law[0] > 0 and not left > 0.0:
-        walks = off > WALK * cell
-        if walks:
-            begin.loose = loose
-        return True, walks, way
+        return True, off > WALK * cell
     # As it moves now, what is left suffices for some times as long.
-    begin.pause = LONGEST
+    known[PAUSE] = LONGEST
     if SOON * way * LONGEST > left:
-        begin.pause = int(left / (SOON * way))
-    begin.clear -= turning * begin.pause
-    return False, False, way
+        known[PAUSE] = float(int(left / (SOON * way)))
+    return False, False
 
 
 @kernel
-def find_awake(frame, contact, surface, moved, dt, every, patches, moving) -> tuple[int, int]:
+def find_awake(frame, contact, surface, moved, dt, near, moving, scratch) -> tuple[int, int]:
     """Find the patches that may have a pair in a step, and the facets to be moved for them.
 
     Parameters
     ----------
     contact : Contact
         Laws and rigid bodies, at their positions.
-    moved : (SurfaceCells, three times (vertices, 4) float64)
-        The cells, and of the surface vertices displacements, now and since the last search, and
-        velocities.
+    moved : (SurfaceCells, (vertices, 4) float64, (vertices, NUMBERS) float64)
+        The cells, and of the surface vertices displacements, and records.
     dt : float
         The step.
-    every : (n,) NEAR_FACET
-        Facets near others, by patch and body.
-    patches : Patches
-        Which are awake, and walk, is set here.
+    near : ((n,) NEAR_FACET, Patches)
+        Facets near others, by patch and body. Which patches are awake, and walk, is set here.
     moving : ((m,) int64, (patches,) uint8, (m,) int64, int)
         Facets that may be moved; scratch, of zeros; of these facets those of patches that are
         awake, and beside what they meet: set here. Before, as many as the last number says are
         those of the step before: their positions are no longer known.
+    scratch : ((2^D, 4) float64, (1, KNOWN) float64)
+        Scratch.
 
     Returns
     -------
     tuple of 2 int
         Numbers of patches that are awake, and of facets to be moved.
     """
-    D, (every_moving, marks, chosen, count) = len(frame.cell), moving
+    D, (every, patches), (every_moving, marks, chosen, count) = len(frame.cell), near, moving
     cell, awake, found = frame.cell[0], 0, 0
     for d in range(D):
         cell = min(cell, frame.cell[d])
@@ -150,10 +188,15 @@ def find_awake(frame, contact, surface, moved, dt, every, patches, moving) -> tu
             surface.now[chosen[n], d] = inf
     for g in range(len(patches.start) - 1):
         first, last = patches.start[g], patches.start[g + 1]
-        if every[first].pause > 0:
-            every[first].pause -= 1
+        known, middle = patches.known[g], every[(first + last) // 2]
+        if known[PAUSE] > 0.0:
+            known[PAUSE] -= 1.0
             continue
-        wakes, walks, way = _wakes(D, contact, surface, moved, every, first, last, (dt, cell))
+        s, now = middle.facet, scratch[1][0]
+        of = surface, moved, scratch[0], s, middle.other
+        way = dt * set_place(frame, contact.rigid_bodies, *of, cell, now)
+        body = surface.body[s], middle.body
+        wakes, walks = _wakes(contact, surface, known, now, body, way, cell)
         if not wakes:
             for n in range(first, last):
                 every[n].gap, every[n].side = inf, -1

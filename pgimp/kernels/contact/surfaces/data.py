@@ -17,11 +17,6 @@ from pgimp.kernels.data.particles import FloatArray, IntArray
 #: those of facets that touch, see `pgimp.kernels.contact.surfaces.spread`; zero of others. Last the
 #: part that faces the other body, see `pgimp.kernels.contact.surfaces.pressed.faces`, and the first
 #: and the number of its `Pieces` that are kept; none if they have to be found again.
-#:
-#: The first one of a patch has what is known of all since the facets next to them were found, see
-#: `pgimp.kernels.contact.surfaces.awake`: the way by which gaps were from closing, the ways of the
-#: cells' vertices relative to their means, and the vector between the middle facets. Last there are
-#: the steps for which it rests.
 NEAR_FACET = structure(
     ("facet", "i8"),
     ("body", "i8"),
@@ -36,11 +31,13 @@ NEAR_FACET = structure(
     ("facing", "f8"),
     ("piece", "i8"),
     ("pieces", "i8"),
-    ("clear", "f8"),
-    ("loose", "f8"),
-    ("way", "f8", 3),
-    ("pause", "i8"),
 )
+
+
+#: What is known of a patch since the facets next to it were found: the way by which its gaps were
+#: from closing, and the steps for which it rests. From `PLACE` on the vector from the other body's
+#: facet to its middle one, and the deformation gradients of both, in directions of the former.
+CLEAR, PAUSE, PLACE, KNOWN = 0, 1, 2, 23
 
 
 class Surface(NamedTuple):
@@ -92,6 +89,8 @@ class Patches(NamedTuple):
     awake: IntArray  #: (k,) int64: Numbers of those that may have a pair, ascending.
     walks: NDArray[np.uint8]  #: (k,): 1 where facets next to them are to be found anew.
     ways: FloatArray  #: (k,) float64: Ways by which bodies may come nearer there in a step.
+    #: (patches, KNOWN) float64: What is known of each.
+    known: FloatArray
 
     @classmethod
     def of(cls, surface: Surface, every: NDArray, way: float = 0.0) -> Self:
@@ -100,7 +99,9 @@ class Patches(NamedTuple):
         begin = np.flatnonzero(np.diff(patch, prepend=-1) | np.diff(body, prepend=-1))
         awake = np.arange(len(begin))
         ways = np.full(len(begin), way)
-        return cls(np.append(begin, len(every)), awake, np.ones(len(begin), np.uint8), ways)
+        known = np.zeros((len(begin), KNOWN))
+        known[:, CLEAR] = -np.inf
+        return cls(np.append(begin, len(every)), awake, np.ones(len(begin), np.uint8), ways, known)
 
     def first(self, count: int) -> Self:
         """With only the first ones of those that are awake."""
@@ -126,9 +127,3 @@ def _whole(way, period):
 def no_facets(count: int) -> NDArray:
     """Allocate for so many facets near other bodies."""
     return np.empty(count, NEAR_FACET)
-
-
-def begin_near(every: NDArray) -> None:
-    """Set that nothing is known yet of facets near other bodies, but what is next to them."""
-    every["gap"], every["side"], every["way"] = np.inf, -1, 0.0
-    every["clear"], every["loose"], every["pause"] = -np.inf, np.inf, 0

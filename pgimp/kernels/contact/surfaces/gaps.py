@@ -10,7 +10,8 @@ Where no facet of a patch can be near enough for a pair, none has a gap.
 from math import inf, sqrt
 
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
-from pgimp.kernels.contact.surfaces.data import turns
+from pgimp.kernels.contact.surfaces.awake import set_place
+from pgimp.kernels.contact.surfaces.data import CLEAR, turns
 from pgimp.kernels.contact.surfaces.levels import law_of
 from pgimp.kernels.contact.surfaces.motion import cofactors, gradient, set_polynomial, turned_normal
 from pgimp.kernels.contact.surfaces.nearest import BESIDE, BESIDE_BEFORE, BESIDE_BEHIND, approach
@@ -247,16 +248,6 @@ def _find_wall_gaps(frame, walls, surface, every, first, last):
     return least
 
 
-@inner_kernel
-def _keep_way(surface, every, first, last, clear):
-    """Keep by how much the gaps of a patch were from closing, and the way to the other body."""
-    every[first].clear, f = clear, every[(first + last) // 2].other
-    for d in range(3):
-        every[first].way[d] = surface.now[every[(first + last) // 2].facet, d]
-        if f >= 0:
-            every[first].way[d] -= surface.now[f, d]
-
-
 @kernel
 def find_gaps(frame, contact, walls, surface, moved, scratch, far, near):
     """Find the gaps between facets and the other bodies next to them.
@@ -289,13 +280,10 @@ def find_gaps(frame, contact, walls, surface, moved, scratch, far, near):
         looks = law[2] if patches.ways[k] >= 0.0 else inf
         if body >= walls.first:
             clear = _find_wall_gaps(frame, walls, surface, every, first, last)
-            if walks:
-                _keep_way(surface, every, first, last, clear)
-            continue
-        for n in range(first, last):
+        for n in range(first, last if body < walls.first else first):
             every[n].gap, away = approach(D, surface, every[n], frame.cell[0], walks, far)
             least, clear = min(least, every[n].gap), min(clear, away)
-        for n in range(first, last):
+        for n in range(first, last if body < walls.first else first):
             one = every[n]
             if not (law[0] > 0 and least < looks and one.gap < inf):
                 one.gap = inf
@@ -306,4 +294,8 @@ def find_gaps(frame, contact, walls, surface, moved, scratch, far, near):
             used = _find_gap(frame, contact.rigid_bodies, surface, moved, scratch, one, used)
             c = surface.cell[one.other] if own >= 0 else c
         if walks:
-            _keep_way(surface, every, first, last, clear)
+            known, middle = patches.known[g], every[(first + last) // 2]
+            known[CLEAR] = clear
+            of = surface, (cells, u, u), scratch[0], middle.facet, middle.other
+            set_place(frame, contact.rigid_bodies, *of, cell, known)
+            c = -1

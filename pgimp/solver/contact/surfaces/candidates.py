@@ -9,7 +9,7 @@ import numpy as np
 from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.impulses.pairs import SeparatingWalls
-from pgimp.kernels.contact.surfaces.data import Surface, begin_near, no_facets
+from pgimp.kernels.contact.surfaces.data import Surface, no_facets
 from pgimp.kernels.contact.surfaces.search import (
     bound_clusters,
     find_close,
@@ -192,7 +192,7 @@ def candidates_of(surface: Surface, found: np.ndarray) -> np.ndarray:
     found = found[np.lexsort((facet, body, surface.patch[facet]))]
     every = no_facets(len(found))
     every["facet"], every["body"], every["other"] = found.T
-    begin_near(every)
+    every["gap"], every["side"] = np.inf, -1
     return every
 
 

@@ -11,7 +11,7 @@ from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.data import Contact
 from pgimp.kernels.contact.impulses.pairs import SeparatingWalls
 from pgimp.kernels.contact.surfaces.awake import find_awake
-from pgimp.kernels.contact.surfaces.data import Patches, begin_near, no_facets
+from pgimp.kernels.contact.surfaces.data import KNOWN, Patches, no_facets
 from pgimp.kernels.contact.surfaces.gaps import FARTHEST
 from pgimp.kernels.contact.surfaces.motion import move_facets
 from pgimp.kernels.contact.surfaces.spread import kept_of, scratch_of
@@ -43,11 +43,10 @@ PIECES = 3
 
 U = slice(DISPLACEMENT, DISPLACEMENT + 3)
 
-#: What is known of each candidate, the last in three components: what a checkpoint has. Before it
-#: there are the displacements at the last search, the facets near others and those that move; and
-#: first three numbers and the lengths of these four.
-_KEPT = ("facet", "body", "other", "clear", "loose")
-_WIDTH, _PARTS, _NUMBERS = len(_KEPT) + 3, 4, 3
+#: What a checkpoint has: three numbers, the lengths of these parts, and displacements at the last
+#: search, facets near others, those that move, facets, bodies and next facets of candidates, and
+#: what is known of their patches.
+_NUMBERS, _PARTS = 3, 5
 
 
 class Proximity:
@@ -85,7 +84,9 @@ class Proximity:
         self.scene, self.comm, self.walls, self.call = scene, comm, walls, Bound()
         self.facets: np.ndarray | None = None
         self.candidates, self._moving = no_facets(0), np.empty(0, np.int64)
-        self._found = self.candidates, np.empty(0, np.int64)  # of all ranks, and which are its own
+        # Candidates of all ranks, what is known of their patches, and which are its own.
+        self._found = self.candidates, np.empty((0, KNOWN)), np.empty(0, np.int64)
+        self._patch_of = np.empty(0, np.int64)  # patches of all of them
         self.labels, self.root = np.empty(0, np.int64), 0
         self.groups: Groups
         self.share: Share
@@ -101,6 +102,7 @@ class Proximity:
         self._records = np.empty(0, np.int64)
         self.patches: Patches
         self._chosen, self._marks = np.empty(0, np.int64), np.empty(0, np.uint8)
+        self._now = np.zeros((1, KNOWN))
         self._count = 0  # facets that are moved in this step
         self._window: object = None
         self._before = np.empty((0, 3))  # displacements of all surface vertices at the last search
@@ -131,10 +133,11 @@ class Proximity:
         """
         if self.facets is None:
             return np.empty(0)
-        every = self._everyone()
+        every, known = self._everyone()
         if self.comm.rank != self.root:
             return np.empty(0)
-        parts = self._before.reshape(-1), self.facets, self._moving, _known(every).reshape(-1)
+        of = np.stack([every["facet"], every["body"], every["other"]], axis=1)
+        parts = self._before.ravel(), self.facets, self._moving, of.ravel(), known.ravel()
         numbers = [self._pause, self._moved, self._travel]
         return np.concatenate([numbers, list(map(len, parts)), *parts])
 
@@ -149,16 +152,14 @@ class Proximity:
         sizes = state[_NUMBERS:head].astype(np.int64)
         if sizes[0] != 3 * len(table.keys) or len(state) != head + sizes.sum():
             return
-        before, facets, moving, known = np.split(state[head:], np.cumsum(sizes[:-1]))
+        before, facets, moving, found, known = np.split(state[head:], np.cumsum(sizes[:-1]))
         self.facets, self._moving = facets.astype(np.int64), moving.astype(np.int64)
         self._pause = int(state[0])
         self._moved, self._travel = state[1:_NUMBERS].tolist()
         self._before = before.reshape(-1, 3)
-        found = no_facets(len(known) // _WIDTH)
-        begin_near(found)
-        _know(found, slice(None), known.reshape(-1, _WIDTH))
-        self._found = found, np.empty(0, np.int64)
-        self.candidates = found[:0]
+        every = candidates_of(table.surface, found.astype(np.int64).reshape(-1, 3))
+        self._found = every, known.reshape(-1, KNOWN), np.empty(0, np.int64)
+        self.candidates, self.patches = every[:0], Patches.of(table.surface, every[:0])
         self._locate(rank, table)
 
     def _locate(self, rank: RankState, table: Table) -> None:
@@ -167,18 +168,21 @@ class Proximity:
         self._records = records_of(rank, table.numbers)
         if self.facets is not None:
             self._find_root(rank)
-            self._divide(table, self._everyone())
+            self._divide(table, *self._everyone())
 
     def everyone(self) -> tuple[np.ndarray, np.ndarray]:
         """The candidates of all ranks, and the facets near others; collective."""
-        return self._everyone(), self._moving
+        return self._everyone()[0], self._moving
 
-    def _everyone(self) -> np.ndarray:
-        """The candidates of all ranks; collective."""
-        every, mine = self._found
-        for numbers, known in self.comm.allgather((mine, _known(self.candidates))):
-            _know(every, numbers, known)
-        return every
+    def _everyone(self) -> tuple[np.ndarray, np.ndarray]:
+        """The candidates of all ranks, and what is known of their patches; collective."""
+        every, known, mine = self._found
+        own = mine, self.candidates["other"], self.patches.known
+        parts = self.comm.allgather(own)
+        for numbers, others, rows in parts:
+            every["other"][numbers] = others
+            known[np.unique(self._patch_of[numbers])] = rows
+        return every, known
 
     def _find_root(self, rank: RankState) -> None:
         """Find the rank with the first layer; collective."""
@@ -260,7 +264,8 @@ class Proximity:
             )
             found = np.concatenate([each[0] for each in parts])
             self._moving = np.unique(np.concatenate([each[1] for each in parts]))
-        self._divide(table, candidates_of(table.surface, found))
+        every = candidates_of(table.surface, found)
+        self._divide(table, every, Patches.of(table.surface, every).known)
         return True
 
     def awake(
@@ -271,12 +276,11 @@ class Proximity:
         `u` and `values` are displacements of the share's vertices, (v, 4), and their records.
         """
         share, patches = self.share, self.patches
-        moved = share.cells, u, u - share.before, values
         moving = share.moving, self._marks, self._chosen, self._count
-        frame, every = self.scene.domain.frame, self.candidates
         awake, self._count = self.call(
-            find_awake, frame, laws, table.surface, moved, dt, every, patches, moving
-        )
+            find_awake, self.scene.domain.frame, laws, table.surface, (share.cells, u, values), dt,
+            (self.candidates, patches), moving, (self.scratch[0], self._now),
+        )  # fmt: skip
         return patches.first(awake), self._chosen[: self._count]
 
     def has(self, bodies: np.ndarray) -> np.ndarray:
@@ -287,8 +291,11 @@ class Proximity:
         found[some] = groups.rank[groups.number(bodies[some])]
         return found == self.comm.rank
 
-    def _divide(self, table: Table, every: np.ndarray) -> None:
-        """Find the groups of all candidates, and the rank's share; collective."""
+    def _divide(self, table: Table, every: np.ndarray, known: np.ndarray) -> None:
+        """Find the groups of all candidates, and the rank's share; collective.
+
+        `known` is of their patches, see `Patches`.
+        """
         surface, facet = table.surface, every["facet"]
         bodies = np.column_stack([surface.body[facet], every["body"]])
         count = len(self.labels)
@@ -299,26 +306,15 @@ class Proximity:
             self.groups.rank[:] = self.root
         own = self.groups.rank[self.groups.number(self.met)] == self.comm.rank
         mine = np.flatnonzero(own[of])
-        self.candidates, self._found = every[mine], (every, mine)
+        self.candidates, self._found = every[mine], (every, known, mine)
+        start = Patches.of(surface, every).start
+        self._patch_of = np.repeat(np.arange(len(known)), np.diff(start))
         surface.now[:] = np.inf
-        self.share = share_of(
-            self.comm, table, self._moving, self.groups, self._records, self._before
-        )
-        self.patches = Patches.of(surface, self.candidates)
+        self.share = share_of(self.comm, table, self._moving, self.groups, self._records)
+        own = np.unique(self._patch_of[mine])
+        self.patches = Patches.of(surface, self.candidates)._replace(known=known[own])
         self._chosen, self._count = np.empty_like(self.share.moving), 0
         self._marks = np.zeros(1 + surface.patch.max(initial=-1), np.uint8)
         if len(self.scratch[-1][0]) < PIECES * len(mine):
             kept = kept_of(self.scene.dimension, PIECES * len(mine) * 5 // 4)
             self.scratch = (*self.scratch[:-1], kept)
-
-
-def _known(every: np.ndarray) -> np.ndarray:
-    """What is known of candidates, (n, `_WIDTH`) float64."""
-    return np.column_stack([*(every[name] for name in _KEPT), every["way"]])
-
-
-def _know(every: np.ndarray, numbers: Any, known: np.ndarray) -> None:
-    """Set what is known of some candidates."""
-    for name, values in zip(_KEPT, known.T, strict=False):
-        every[name][numbers] = values
-    every["way"][numbers] = known[:, len(_KEPT) :]

@@ -63,7 +63,6 @@ class Share(NamedTuple):
     counts: np.ndarray  #: (2, ranks) int64: How many of these each rank needs, and it has of each.
     place: np.ndarray  #: (v,) int64: Numbers of those that it gets.
     same: bool  #: Whether these are its own, in their order.
-    before: np.ndarray  #: (v, 4) float64: Displacements at the last search.
 
     def gather(self, comm: Communicator, values: np.ndarray) -> np.ndarray:
         """What all ranks have at the share's vertices, given that of `sent`; collective."""
@@ -114,12 +113,11 @@ def select(comm: Communicator, table: Table, facets: np.ndarray, records: np.nda
 
 
 def share_of(
-    comm: Communicator, table: Table, moving: np.ndarray, groups: Groups, records: np.ndarray,
-    before: np.ndarray,
-) -> Share:  # fmt: skip
+    comm: Communicator, table: Table, moving: np.ndarray, groups: Groups, records: np.ndarray
+) -> Share:
     """The rank's share of the facets near others, `moving`; collective.
 
-    `records` and `before`, displacements at the last search, are those of the surface vertices.
+    `records` are those of the surface vertices.
     """
     surface = table.surface
     group = groups.of[surface.body[moving]]
@@ -139,5 +137,4 @@ def share_of(
     return Share(
         mine, mapped, keys, records[own], table.keys[own],
         np.array([parts[comm.rank][1], [len(each) for each in get]]), place, same,
-        np.pad(before[marks], ((0, 0), (0, 1))),
     )  # fmt: skip
