@@ -31,6 +31,9 @@ WALK = 0.002
 #: distance between vertices of a cell and its middle.
 _AROUND, _BEYOND = 1.0, 2.0
 
+#: `side` of the middle facet of a patch that rests.
+RESTS = -2
+
 #: Steps for which a patch rests without being looked at, at most.
 LONGEST = 16
 
@@ -167,10 +170,11 @@ def find_awake(frame, contact, surface, moved, dt, near, moving, scratch) -> tup
         The step.
     near : ((n,) NEAR_FACET, Patches)
         Facets near others, by patch and body. Which patches are awake, and walk, is set here.
-    moving : ((m,) int64, (patches,) uint8, (m,) int64, int)
-        Facets that may be moved; scratch, of zeros; of these facets those of patches that are
-        awake, and beside what they meet: set here. Before, as many as the last number says are
-        those of the step before: their positions are no longer known.
+    moving : tuple
+        Facets that may be moved, (m,) int64, and the first of each patch, (patches + 1,); patches
+        beside each; (2, patches) uint8, which ones were moved in the step before, and 0; and
+        (m,) int64, set to the facets to be moved: of patches that are awake, and beside what they
+        meet. Where others are is no longer known.
     scratch : ((2^D, 4) float64, (1, KNOWN) float64)
         Scratch.
 
@@ -179,13 +183,10 @@ def find_awake(frame, contact, surface, moved, dt, near, moving, scratch) -> tup
     tuple of 2 int
         Numbers of patches that are awake, and of facets to be moved.
     """
-    D, (every, patches), (every_moving, marks, chosen, count) = len(frame.cell), near, moving
+    (every, patches), (mobile, begin, around, marks, chosen) = near, moving
     cell, awake, found = frame.cell[0], 0, 0
-    for d in range(D):
+    for d in range(len(frame.cell)):
         cell = min(cell, frame.cell[d])
-    for n in range(count):
-        for d in range(3):
-            surface.now[chosen[n], d] = inf
     for g in range(len(patches.start) - 1):
         first, last = patches.start[g], patches.start[g + 1]
         known, middle = patches.known[g], every[(first + last) // 2]
@@ -198,23 +199,30 @@ def find_awake(frame, contact, surface, moved, dt, near, moving, scratch) -> tup
         body = surface.body[s], middle.body
         wakes, walks = _wakes(contact, surface, known, now, body, way, cell)
         if not wakes:
-            for n in range(first, last):
-                every[n].gap, every[n].side = inf, -1
+            if middle.side != RESTS:
+                for n in range(first, last):
+                    every[n].gap, every[n].side = inf, -1
+                middle.side = RESTS
             continue
         patches.awake[awake], patches.ways[awake] = g, way
         patches.walks[awake] = 1 if walks else 0
         awake += 1
-        marks[surface.patch[every[first].facet]] = 1
+        marks[1, surface.patch[s]], q = 1, -1
         for n in range(first, last):
-            f = every[n].other
-            if f >= 0:
-                marks[surface.patch[f]] = 1
-            if f >= 0 and walks:
-                for k in range(surface.start[f], surface.start[f + 1]):
-                    marks[surface.patch[surface.beside[k]]] = 1
-    for n in range(len(every_moving)):
-        if marks[surface.patch[every_moving[n]]] != 0:
-            chosen[found] = every_moving[n]
-            found += 1
-    marks[:] = 0
+            p = surface.patch[every[n].other] if every[n].other >= 0 else q
+            if p == q:
+                continue
+            marks[1, p], q = 1, p
+            for k in range(around[0][p], around[0][p + 1] if walks else around[0][p]):
+                marks[1, around[1][k]] = 1
+    for p in range(marks.shape[1]):
+        some = marks[0, p] != 0 or marks[1, p] != 0
+        for n in range(begin[p], begin[p + 1] if some else begin[p]):
+            if marks[1, p] != 0:
+                chosen[found] = mobile[n]
+                found += 1
+            else:
+                for d in range(3):
+                    surface.now[mobile[n], d] = inf
+        marks[0, p], marks[1, p] = marks[1, p], 0
     return awake, found

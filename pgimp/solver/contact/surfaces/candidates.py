@@ -20,6 +20,7 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.grown import grown
 from pgimp.solver.contact.surfaces.seams import close_images, with_images
+from pgimp.solver.contact.surfaces.shares import marked
 from pgimp.solver.contact.surfaces.table import Table, bins_of
 from pgimp.solver.rank_state import RankState
 
@@ -34,6 +35,7 @@ class Meeting(NamedTuple):
     #: low, high: (clusters, D) float64: Boxes of all.
     low: np.ndarray
     high: np.ndarray
+    facets: np.ndarray  #: (k,) int64: Facets of these pairs.
     on_walls: dict[int, np.ndarray]  #: For each wall the facets that may meet it.
 
 
@@ -91,7 +93,9 @@ def find_meeting_clusters(
         end = (high if side > 0 else low)[moving, axis]
         near = moving[side * (at - end) < reach[axis]]
         on_walls[walls.first + w] = table.facets(near)
-    return Meeting(np.concatenate([pairs, np.column_stack([alone, alone])]), low, high, on_walls)
+    pairs = np.concatenate([pairs, np.column_stack([alone, alone])])
+    facets = table.facets(marked(len(low), [pairs.reshape(-1)]))
+    return Meeting(pairs, low, high, facets, on_walls)
 
 
 def runs_of(
@@ -156,7 +160,7 @@ def find_candidates(
     periods, marks, there = scene.domain.periods, np.zeros(len(surface.x), np.uint8), surface
     own = which = np.empty(0, np.int64)
     if periods.any():
-        own = table.facets(np.unique(meeting.pairs))
+        own = meeting.facets
         there, which = with_images(surface, own, frame.origin, periods, most)
         some = np.arange(len(which))
     else:

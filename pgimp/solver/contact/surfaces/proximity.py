@@ -27,13 +27,13 @@ from pgimp.solver.contact.surfaces.candidates import (
     find_meeting_clusters,
 )
 from pgimp.solver.contact.surfaces.groups import Groups, find_groups
-from pgimp.solver.contact.surfaces.shares import Share, share_of
+from pgimp.solver.contact.surfaces.shares import Share, marked, share_of
 from pgimp.solver.contact.surfaces.table import Table, records_of
 from pgimp.solver.rank_state import RankState
 
 #: Cells by which each body may move until the next search, at most, and the most steps until it
 #: looks how far they have moved.
-TRAVEL, LONGEST = 0.25, 16
+TRAVEL, LONGEST = 0.5, 16
 
 #: Cells by which it may move at least, and else the way in so many times that number of steps.
 _LEAST, _AHEAD = 0.02, 2.0
@@ -84,9 +84,8 @@ class Proximity:
         self.scene, self.comm, self.walls, self.call = scene, comm, walls, Bound()
         self.facets: np.ndarray | None = None
         self.candidates, self._moving = no_facets(0), np.empty(0, np.int64)
-        # Candidates of all ranks, what is known of their patches, and which are its own.
-        self._found = self.candidates, np.empty((0, KNOWN)), np.empty(0, np.int64)
-        self._patch_of = np.empty(0, np.int64)  # patches of all of them
+        # Candidates of all ranks, what is known of their patches, and which of both are its own.
+        self._found = self.candidates, np.empty((0, KNOWN)), *np.empty((2, 0), np.int64)
         self.labels, self.root = np.empty(0, np.int64), 0
         self.groups: Groups
         self.share: Share
@@ -101,9 +100,10 @@ class Proximity:
         self._pause, self._moved = 0, 0.0
         self._records = np.empty(0, np.int64)
         self.patches: Patches
-        self._chosen, self._marks = np.empty(0, np.int64), np.empty(0, np.uint8)
+        # Facets that are moved in a step; the first of each patch, and which patches they are of.
+        self._chosen, self._first = np.empty((2, 0), np.int64)
+        self._marks = np.empty((2, 0), np.uint8)
         self._now = np.zeros((1, KNOWN))
-        self._count = 0  # facets that are moved in this step
         self._window: object = None
         self._before = np.empty((0, 3))  # displacements of all surface vertices at the last search
         self._restored = np.empty(0)
@@ -158,7 +158,7 @@ class Proximity:
         self._moved, self._travel = state[1:_NUMBERS].tolist()
         self._before = before.reshape(-1, 3)
         every = candidates_of(table.surface, found.astype(np.int64).reshape(-1, 3))
-        self._found = every, known.reshape(-1, KNOWN), np.empty(0, np.int64)
+        self._found = every, known.reshape(-1, KNOWN), *np.empty((2, 0), np.int64)
         self.candidates, self.patches = every[:0], Patches.of(table.surface, every[:0])
         self._locate(rank, table)
 
@@ -176,12 +176,10 @@ class Proximity:
 
     def _everyone(self) -> tuple[np.ndarray, np.ndarray]:
         """The candidates of all ranks, and what is known of their patches; collective."""
-        every, known, mine = self._found
-        own = mine, self.candidates["other"], self.patches.known
-        parts = self.comm.allgather(own)
-        for numbers, others, rows in parts:
-            every["other"][numbers] = others
-            known[np.unique(self._patch_of[numbers])] = rows
+        every, known, mine, here = self._found
+        own = mine, self.candidates["other"], here, self.patches.known
+        for numbers, others, patches, rows in self.comm.allgather(own):
+            every["other"][numbers], known[patches] = others, rows
         return every, known
 
     def _find_root(self, rank: RankState) -> None:
@@ -251,8 +249,7 @@ class Proximity:
         boxes, reach = self.boxes(rank, table, rigid), self._reach()
         call, scene, walls = self.call, self.scene, self.walls
         meeting = find_meeting_clusters(call, scene, walls, table, acts, boxes, reach)
-        facets = table.facets(np.unique(meeting.pairs))
-        near = np.unique(np.concatenate([facets, *meeting.on_walls.values()]))
+        near = marked(len(table.surface.x), [meeting.facets, *meeting.on_walls.values()])
         found, self.facets, self._moving = np.empty((0, 3), np.int64), near, near[:0]
         if needed(len(near)):
             u = np.pad(self._before, ((0, 0), (0, 1)))
@@ -263,7 +260,7 @@ class Proximity:
                 find_candidates(call, scene, walls, table, acts, meeting, reach, part)
             )
             found = np.concatenate([each[0] for each in parts])
-            self._moving = np.unique(np.concatenate([each[1] for each in parts]))
+            self._moving = marked(len(table.surface.x), [each[1] for each in parts])
         every = candidates_of(table.surface, found)
         self._divide(table, every, Patches.of(table.surface, every).known)
         return True
@@ -276,12 +273,12 @@ class Proximity:
         `u` and `values` are displacements of the share's vertices, (v, 4), and their records.
         """
         share, patches = self.share, self.patches
-        moving = share.moving, self._marks, self._chosen, self._count
-        awake, self._count = self.call(
+        moving = share.moving, self._first, table.around, self._marks, self._chosen
+        awake, moves = self.call(
             find_awake, self.scene.domain.frame, laws, table.surface, (share.cells, u, values), dt,
             (self.candidates, patches), moving, (self.scratch[0], self._now),
         )  # fmt: skip
-        return patches.first(awake), self._chosen[: self._count]
+        return patches.first(awake), self._chosen[:moves]
 
     def has(self, bodies: np.ndarray) -> np.ndarray:
         """Mask of the pairs of bodies, (n, 2), in the rank's groups; on the root those in none."""
@@ -296,25 +293,27 @@ class Proximity:
 
         `known` is of their patches, see `Patches`.
         """
-        surface, facet = table.surface, every["facet"]
-        bodies = np.column_stack([surface.body[facet], every["body"]])
-        count = len(self.labels)
-        met, of = np.unique(bodies[:, 0] * count + bodies[:, 1], return_inverse=True)
-        self.met = np.column_stack(np.divmod(met, count))
-        self.groups = find_groups(self.labels, self.met, of, surface.x[facet, 0], self.comm.size)
+        surface, count = table.surface, len(self.labels)
+        start = Patches.of(surface, every).start
+        first = every[start[:-1]]
+        met = surface.body[first["facet"]] * count + first["body"]
+        met, of = np.unique(met, return_inverse=True)
+        self.met, size = np.column_stack(np.divmod(met, count)), np.diff(start)
+        of, x = np.repeat(of, size), surface.x[every["facet"], 0]
+        self.groups = find_groups(self.labels, self.met, of, x, self.comm.size)
         if self.alone:
             self.groups.rank[:] = self.root
         own = self.groups.rank[self.groups.number(self.met)] == self.comm.rank
-        mine = np.flatnonzero(own[of])
-        self.candidates, self._found = every[mine], (every, known, mine)
-        start = Patches.of(surface, every).start
-        self._patch_of = np.repeat(np.arange(len(known)), np.diff(start))
+        mine, patch_of = np.flatnonzero(own[of]), np.repeat(np.arange(len(size)), size)
+        here = np.unique(patch_of[mine])
+        self.candidates = every[mine] if self.comm.size > 1 else every
+        self._found = every, known, mine, here
         surface.now[:] = np.inf
         self.share = share_of(self.comm, table, self._moving, self.groups, self._records)
-        own = np.unique(self._patch_of[mine])
-        self.patches = Patches.of(surface, self.candidates)._replace(known=known[own])
-        self._chosen, self._count = np.empty_like(self.share.moving), 0
-        self._marks = np.zeros(1 + surface.patch.max(initial=-1), np.uint8)
+        self.patches = Patches.of(surface, self.candidates)._replace(known=known[here])
+        patches, moving = len(table.around[0]) - 1, self.share.moving
+        self._chosen, self._marks = np.empty_like(moving), np.zeros((2, patches), np.uint8)
+        self._first = np.searchsorted(surface.patch[moving], np.arange(patches + 1))
         if len(self.scratch[-1][0]) < PIECES * len(mine):
             kept = kept_of(self.scene.dimension, PIECES * len(mine) * 5 // 4)
             self.scratch = (*self.scratch[:-1], kept)

@@ -74,6 +74,14 @@ class Share(NamedTuple):
         return found
 
 
+def marked(count: int, parts: list[np.ndarray]) -> np.ndarray:
+    """Numbers below `count` that are in any of some arrays, ascending."""
+    marks = np.zeros(count, bool)
+    for some in parts:
+        marks[some] = True
+    return np.flatnonzero(marks)
+
+
 def moving_vertices(table: Table, facets: np.ndarray) -> np.ndarray:
     """Mask of the vertices that move some facets, also in the cells beside theirs."""
     cells = table.cells
@@ -125,12 +133,13 @@ def share_of(
     rank = np.where(joins, groups.rank[group], comm.rank)
     used = np.full(len(table.keys), -1)
     for each in range(comm.size):
-        used[moving_vertices(table, moving[joins & (rank == each)])] = each
+        some = moving[joins & (rank == each)] if comm.size > 1 else moving
+        used[moving_vertices(table, some)] = each
     own = np.flatnonzero((used >= 0) & (records >= 0))
     own = own[np.argsort(used[own], kind="stable")]
     parts = comm.allgather((own, np.bincount(used[own], minlength=comm.size)))
     get, mine = [each[used[each] == comm.rank] for each, _ in parts], moving[rank == comm.rank]
-    marks = moving_vertices(table, mine)
+    marks = moving_vertices(table, mine) if comm.size > 1 else used >= 0
     number, mapped = _numbered(table.cells, marks)
     place, keys = number[np.concatenate(get)], table.keys[marks]
     same = comm.size == 1 and np.array_equal(place, np.arange(len(keys)))

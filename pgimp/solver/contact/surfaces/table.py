@@ -58,6 +58,8 @@ class Table(NamedTuple):
     corner: np.ndarray
     #: (k, D) int64: Periods of the domain from these vertices to the cells' corners.
     turns: np.ndarray
+    #: ((patches + 1,) int64, (k,) int64): Patches beside each, with facets beside its own.
+    around: tuple[np.ndarray, np.ndarray]
 
     def facets(self, clusters: np.ndarray) -> np.ndarray:
         """The facets of some clusters."""
@@ -122,6 +124,7 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     return Table(
         surface, cells, numbers, keys, first, members, body[members[first[:-1]]],
         np.ascontiguousarray(owner), np.ascontiguousarray(corner), np.stack(turns, axis=1),
+        _around(facets.patch, start, beside),
     )  # fmt: skip
 
 
@@ -316,3 +319,14 @@ def bins_of(x: np.ndarray, side: float, D: int) -> tuple[np.ndarray, np.ndarray]
     key_of = bins @ strides
     strides[D:2] = 0  # neighbours along the last one have neighbouring keys
     return key_of, strides
+
+
+def _around(
+    patch: np.ndarray, start: np.ndarray, beside: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Patches beside each patch, given those of facets, see `Table`, and neighbours of these."""
+    count = 1 + int(patch.max(initial=-1))
+    own, other = np.repeat(patch, np.diff(start)), patch[beside]
+    keys = np.unique((own * count + other)[own != other])
+    own, other = np.divmod(keys, max(count, 1))
+    return np.concatenate([[0], np.cumsum(np.bincount(own, minlength=count))]), other
