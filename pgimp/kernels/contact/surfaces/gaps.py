@@ -14,7 +14,7 @@ from pgimp.kernels.contact.surfaces.awake import set_place
 from pgimp.kernels.contact.surfaces.data import CLEAR, turns
 from pgimp.kernels.contact.surfaces.levels import law_of
 from pgimp.kernels.contact.surfaces.motion import cofactors, gradient, set_polynomial, turned_normal
-from pgimp.kernels.contact.surfaces.nearest import BESIDE, BESIDE_BEFORE, BESIDE_BEHIND, approach
+from pgimp.kernels.contact.surfaces.nearest import approach
 from pgimp.kernels.contact.surfaces.pressed import facing_part
 from pgimp.kernels.contact.surfaces.search import STEEP
 from pgimp.kernels.contact.surfaces.spread import (
@@ -29,6 +29,10 @@ FACES = -0.03
 
 #: Least cosine between normals of facets of one face.
 _ALIKE = 0.9
+
+#: Cells by which a point may lie beside a facet's part of a box, and the same over its distance, of
+#: points before the facet and behind it: what is deep beside an edge is not in the body.
+_BESIDE, _BESIDE_BEFORE, _BESIDE_BEHIND = 1e-3, 0.5, 0.15
 
 #: Depth in cells beyond which a point is not in a surface, but in what is behind, and cells within
 #: which facets are next to each other.
@@ -132,7 +136,7 @@ def _find_gap(frame, rigid_bodies, surface, moved, scratch, near, used):
         for d in range(D):
             phi += (_own(frame, cells, c, near, d) - surface.x[f, d]) * surface.normal[f, d]
         near.gap = phi / length
-        most = BESIDE * least + max(BESIDE_BEFORE * phi, -BESIDE_BEHIND * phi)
+        most = _BESIDE * least + max(_BESIDE_BEFORE * phi, -_BESIDE_BEHIND * phi)
         beside = _beyond(D, frame, cells, surface, c, near, f) - most
         last = attempt + 1 == _ATTEMPTS
         if last or not (close and beside > 0.0 and abs(near.gap) < FARTHEST * least):

@@ -19,10 +19,6 @@ _ALONG = 1e-6
 #: Part of a disc's radius by which a gap may be less than the distance from its plane.
 _OFF = 0.25
 
-#: Cells by which a point may lie beside a facet's part of a box, and the same over its distance, of
-#: points before the facet and behind it: what is deep beside an edge is not in the body.
-BESIDE, BESIDE_BEFORE, BESIDE_BEHIND = 1e-3, 0.5, 0.15
-
 #: Cells by which facets have to come nearer before they are looked at again, at most: which is next
 #: to another may change on the way.
 CLEAR = 0.15
@@ -123,10 +119,9 @@ def approach(D, surface, near, cell, walks, farthest):
     if D > 1:
         over = max(0.0, sqrt(beside) - surface.radius[f])
     gap = along - _OFF * surface.radius[f]
-    # What is beside the facet by more than this has no gap, see `gaps`.
-    clear = over - surface.radius[f] - max(BESIDE_BEFORE * along, -BESIDE_BEHIND * along)
-    clear = min(max(gap, clear - BESIDE * cell), CLEAR * cell)
-    if along * along + _ALONG * beside + over * over > farthest * farthest:
+    square = along * along + _ALONG * beside + over * over
+    clear = min(max(gap, sqrt(square) - farthest), CLEAR * cell)
+    if square > farthest * farthest:
         return inf, clear
     if surface.body[s] == surface.body[f] and not apart(surface, s, f, cell):
         return inf, clear

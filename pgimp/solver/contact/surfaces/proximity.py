@@ -99,7 +99,10 @@ class Proximity:
         self.met = np.empty((0, 2), np.int64)
         self._pause, self._moved = 0, 0.0
         self._records = np.empty(0, np.int64)
-        self.patches: Patches
+        self.patches = Patches(
+            np.zeros(1, np.int64), np.empty(0, np.int64), np.empty(0, np.uint8), np.empty(0),
+            np.empty((0, KNOWN)),
+        )  # fmt: skip
         # Facets that are moved in a step; the first of each patch, and which patches they are of.
         self._chosen, self._first = np.empty((2, 0), np.int64)
         self._marks = np.empty((2, 0), np.uint8)
