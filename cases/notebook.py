@@ -61,7 +61,7 @@ column = {
     "format": 1,
     "dimensions": 2,
     "grid": {"size": [6.0, 4.0], "cell": [0.25, 0.25]},
-    "method": {"shape": "gimp", "particles_per_cell": [2, 2]},
+    "method": {"shape": "gimp", "particles-per-cell": [2, 2]},
     "time": {"end": 1.0, "step": {"courant": 0.3}},
     "materials": {"water": {"model": "fluid", "bulk": 2.0e3, "shear": 0.1, "density": 1.0}},
     "bodies": {"dam": {"material": "water", "region": {"box": {"min": [0, 0], "max": [2, 2]}}}},

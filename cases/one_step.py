@@ -15,7 +15,7 @@ RUBBER = {"model": "neo-hookean", "young": 1.0e6, "poisson": 0.3, "density": 100
 BOX = {"box": {"min": [0.5, 0.0], "max": [1.5, 1.0]}}
 CASE = {
     "format": 1, "dimensions": 2, "grid": {"size": [2.0, 1.5], "cell": [0.1, 0.1]},
-    "method": {"shape": "gimp", "particles_per_cell": [2, 2]}, "materials": {"rubber": RUBBER},
+    "method": {"shape": "gimp", "particles-per-cell": [2, 2]}, "materials": {"rubber": RUBBER},
     "bodies": {"block": {"material": "rubber", "region": BOX, "velocity": [0.0, -1.0]}},
     "boundaries": {"y-min": "fixed"}, "gravity": [0.0, -9.81], "time": {"end": 1.0, "step": DT},
 }  # fmt: skip

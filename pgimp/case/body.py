@@ -37,15 +37,16 @@ class Body(Model):
     ] = zero_vector(
         "initial velocity: a vector, a rigid motion or a function of one's own [length/time]"
     )
-    configuration: Literal["current", "initial"] = Field(
-        default="current",
-        description="current: particles move over the grid; for what flows or breaks. initial: the "
-        "grid is one of the body as it was at the start, and moves and deforms with it (total "
-        "Lagrangian): vibrations and spin last, nothing tears at any stretch, and steps are "
-        "cheaper and do not become shorter as the body moves. Faces of the domain hold what lies "
-        "on them at the start; `separating` ones, rigid bodies and other bodies, of either "
-        "configuration, are met where they are. Left out where the method is chosen: initial of "
-        "what is elastic and keeps together, current of what flows or tears",
+    formulation: Literal["updated-lagrangian", "total-lagrangian"] = Field(
+        default="updated-lagrangian",
+        description="updated-lagrangian: particles move over the grid (the current configuration); "
+        "for what flows or breaks. total-lagrangian: the grid is one of the body as it was at the "
+        "start (the initial configuration), and moves and deforms with it: vibrations and spin "
+        "last, nothing tears at any stretch, and steps are cheaper and do not become shorter as "
+        "the body moves. Faces of the domain hold what lies on them at the start; `unilateral` "
+        "ones, rigid bodies and other bodies, of either formulation, are met where they are. Left "
+        "out where the method is chosen: total-lagrangian of what is elastic and keeps together, "
+        "updated-lagrangian of what flows or tears",
     )
     mass: Literal["lumped", "averaged"] | None = Field(
         default=None,
@@ -63,10 +64,10 @@ def may_be_exact(bodies: Mapping[str, Body], method: Shape) -> list[bool]:
     able = [
         body.surface != "whole" and not isinstance(body.region, Points)
         for body in bodies.values()
-        if body.configuration == "initial"
+        if body.formulation == "total-lagrangian"
     ]
     mixed = 0 < len(able) < len(bodies)
     if (mixed and not all(able)) or not (method.in_cell or mixed):
         return [False] * len(bodies)
     found = iter(able)
-    return [body.configuration == "initial" and next(found) for body in bodies.values()]
+    return [body.formulation == "total-lagrangian" and next(found) for body in bodies.values()]

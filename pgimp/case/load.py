@@ -10,6 +10,7 @@ from pgimp.case.schema import Case
 from pgimp.errors import CaseError, UsageError
 from pgimp.schema.document import Document, read
 from pgimp.schema.overrides import Overrides, apply, as_data
+from pgimp.schema.words.renew import renew
 
 Source = Case | str | PathLike[str] | Mapping[str, object]
 """A case, the name of its file, or the file's content as a dictionary."""
@@ -58,5 +59,6 @@ def load(case: Source, overrides: Overrides = ()) -> Case:
             f"of type {type(case).__name__}"
         )
     document = Document(as_data(case, "case"))
+    renew(document, "case")
     apply(document, overrides)
     return validate(Case, document, "case")

@@ -192,7 +192,7 @@ ProbeEntry = Annotated[Any, ByWord(lambda: _PROBES, "probe")]
 class WallTime(Model):
     """An interval of wall-clock time."""
 
-    wall: Positive = Field(description="interval in seconds of wall time")
+    wall: Positive = Field(alias="wall-time", description="interval in seconds of wall time")
 
 
 class Checkpoint(Model):
@@ -201,11 +201,11 @@ class Checkpoint(Model):
     every: Annotated[
         float | Steps | WallTime | None,
         Either(
-            "a time above zero, {steps: 10}, {wall: 900} or null",
+            "a time above zero, {steps: 10}, {wall-time: 900} or null",
             {float: Positive, dict: ByWord(lambda: _INTERVALS, "kind of interval"), None: None},
         ),
     ] = Field(
-        default=WallTime(wall=900.0),
+        default=WallTime.model_validate({"wall-time": 900.0}),
         description="a checkpoint at the first step at or after every multiple of this simulated "
         "time or number of steps, or at an interval of wall time; null: only at the end, "
         "and where the run is asked to stop [time]",
@@ -213,4 +213,4 @@ class Checkpoint(Model):
     keep: Count = Field(default=2, description="how many are kept; older ones are deleted")
 
 
-_INTERVALS: Mapping[str, type[BaseModel]] = {"steps": Steps, "wall": WallTime}
+_INTERVALS: Mapping[str, type[BaseModel]] = {"steps": Steps, "wall-time": WallTime}

@@ -15,6 +15,7 @@ from pgimp.schema.messages import dotted, explain
 from pgimp.schema.overrides import Overrides, apply
 from pgimp.schema.paths import starting_from
 from pgimp.schema.problems import Problem
+from pgimp.schema.words.renew import renew
 
 __all__ = ["decode", "dump_case", "read_case"]
 
@@ -53,7 +54,7 @@ def read_case(text: str | bytes, filename: str = "case", overrides: Overrides = 
 
 
 def read_document(text: str | bytes, filename: str) -> Document:
-    """Return the keys and values of a file, with their lines.
+    """Return the keys and values of a file, by their new names, with their lines.
 
     Raises
     ------
@@ -64,6 +65,7 @@ def read_document(text: str | bytes, filename: str) -> Document:
         text = decode(text, filename)
     document = parse(text, filename)
     top_level(document, filename)
+    renew(document, filename)
     return document
 
 
@@ -89,6 +91,7 @@ def _report(problems: list[Problem], document: Document, filename: str) -> str:
         at = document.location(item.path)
         where = f"{filename}:{at}" if isinstance(at, int) else at or filename
         order = at if isinstance(at, int) else 0 if at is None else len(document.locations)
-        lines.append((isinstance(at, str), order, f"{where}: {dotted(item.path)}: {item.text}"))
+        key = dotted(document.as_written(item.path))
+        lines.append((isinstance(at, str), order, f"{where}: {key}: {item.text}"))
     texts = [text for _, _, text in sorted(lines, key=lambda line: line[:2])]
     return few(list(dict.fromkeys(texts)), filename)

@@ -28,9 +28,9 @@ from pgimp.case.choices.forms import AUTO_METHOD, MethodEntry, or_bonded
 from pgimp.case.choices.resolve import resolve
 from pgimp.case.damping import Damping
 from pgimp.case.defaults import with_defaults
-from pgimp.case.escape import EscapeEntry
 from pgimp.case.gauges import GaugeEntry
 from pgimp.case.grid import Grid
+from pgimp.case.outflow import OutflowEntry
 from pgimp.case.output import Checkpoint, History, Output, ProbeEntry
 from pgimp.case.stages import Staged
 from pgimp.case.staging.arrange import arrange
@@ -53,6 +53,7 @@ from pgimp.schema.problems import problem, raise_problems
 from pgimp.schema.registries import ByField, ByName, ByWord
 from pgimp.schema.sizes import faces
 from pgimp.schema.tables import VaryingVector
+from pgimp.schema.words.renew import renewed
 
 
 def _format(value: int) -> int:
@@ -106,7 +107,7 @@ class Case(Model):
 
     format: Annotated[Count, AfterValidator(_format)] = Field(
         description="version of the case file's format. 2 chooses what is left out of the method, "
-        "whatever else of it is given; 1 only where shape, particles_per_cell or time.step is left "
+        "whatever else of it is given; 1 only where shape, particles-per-cell or time.step is left "
         "out, too",
         json_schema_extra={"enum": [1, 2]},
     )
@@ -129,9 +130,9 @@ class Case(Model):
     method: Annotated[Any, MethodEntry(_shapes, "shape", "shape")] = Field(
         default=AUTO_METHOD,
         description="the shape of the particles, which decides the method. What is left out of it "
-        "is chosen, and so are `configuration` and `mass` of bodies, `time.step` and `contact`, by "
+        "is chosen, and so are `formulation` and `mass` of bodies, `time.step` and `contact`, by "
         "rules that the page 'Which method' has; `pgimp check` and the run say what and why. In "
-        "format 1 nothing is chosen where shape, particles_per_cell and time.step are given",
+        "format 1 nothing is chosen where shape, particles-per-cell and time.step are given",
     )
     time: Time = Field(description="end and step")
     start: StartEntry = Field(default=StartEntry(), description="the state at time 0")
@@ -155,6 +156,7 @@ class Case(Model):
     )
     body_force: Annotated[Any, ByName(_body_forces, "body force")] = Field(
         default=None,
+        alias="body-force",
         description="body force that depends on place, velocity or time, besides gravity; null: "
         "none",
     )
@@ -175,14 +177,14 @@ class Case(Model):
         "velocity into the wall becomes that of the wall, as a force of the wall (reaction); the "
         "log counts such particle-steps. One that moves the material out of the domain, or leaves "
         "it free along its normal, holds nothing in. A face that is not named is open: it acts "
-        "only on a particle whose centre crosses it, as `escape` says",
+        "only on a particle whose centre crosses it, as `outflow` says",
         json_schema_extra={"propertyNames": {"enum": [*faces(3)]}},
     )
-    escape: dict[Name, EscapeEntry] = Field(
+    outflow: dict[Name, OutflowEntry] = Field(
         default={},
         description="what becomes of a particle whose centre has crossed an open face: stop, which "
         "is the default, ends the run; remove takes it out, and what it had of mass, momentum and "
-        "energy goes into the columns `escaped` of the history. A sink, by a name of its own, "
+        "energy goes into the columns `outflow` of the history. A sink, by a name of its own, "
         "takes out what comes into its region. For example {x-max: remove, bin: {region: ..}}",
         json_schema_extra={"additionalProperties": False},
     )
@@ -256,7 +258,7 @@ class Case(Model):
     @property
     def rests(self) -> bool:
         """Whether the case is a stage after the first that comes to rest, and no more."""
-        return self.staged.number > 0 and self.start.settle is not None
+        return self.staged.number > 0 and self.start.equilibrate is not None
 
     @property
     def axisymmetric(self) -> bool:
@@ -302,8 +304,10 @@ class Case(Model):
         """Check the conditions between the parts, even if some parts are wrong."""
         if not isinstance(data, dict):
             return handler(data)
-        written, data = data, with_defaults(data)
         context = info.context or {}
+        if not context:  # a stage's data are those of the case
+            data = renewed(data)
+        written, data = data, with_defaults(data)
         known = context.get("counted", 0.0), context.get("began", 0.0), context.get("gone", ())
         span = data.get("time")
         with until(span.get("end") if isinstance(span, Mapping) else None):

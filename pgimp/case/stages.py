@@ -19,9 +19,9 @@ from pgimp.schema.tables import VaryingVector
 
 #: Sections whose named entries change key by key; sections whose entries are replaced; sections
 #: that change key by key themselves; sections that are replaced.
-BY_KEY, BY_ENTRY = ("materials", "tractions", "constraints"), ("boundaries", "escape")
+BY_KEY, BY_ENTRY = ("materials", "tractions", "constraints"), ("boundaries", "outflow")
 SECTIONS = ("method", "output", "history")
-WHOLE = ("gravity", "body_force", "water", "damping", "contact")
+WHOLE = ("gravity", "body-force", "water", "damping", "contact")
 
 _Entries = dict[str, object]
 
@@ -32,8 +32,8 @@ def _unchanged(schema: dict[str, Any]) -> None:
     schema["$comment"] = "as before"
 
 
-def _change(what: str, default: Any = None) -> Any:
-    return Field(default=default, description=what, json_schema_extra=_unchanged)
+def _change(what: str, default: Any = None, alias: str | None = None) -> Any:
+    return Field(default=default, alias=alias, description=what, json_schema_extra=_unchanged)
 
 
 def _keyed(what: str) -> Any:
@@ -52,13 +52,13 @@ class Stage(Model):
     name: Name = Field(description="its name, for messages")
     end: Positive | None = Field(
         default=None,
-        description="simulated time at which it is done; one with `settle` has none [time]",
+        description="simulated time at which it is done; one with `equilibrate` has none [time]",
     )
-    settle: Settle | None = Field(
+    equilibrate: Settle | None = Field(
         default=None,
-        description="the stage comes to rest under its loads, as in `start.settle`, and is done "
-        "then, at the time at which it began: steps go on, simulated time does not. Displacements "
-        "and books go on. {} takes the defaults; null: it does not settle",
+        description="the stage comes to rest under its loads, as in `start.equilibrate`, and is "
+        "done then, at the time at which it began: steps go on, simulated time does not. "
+        "Displacements and sums of the history go on. {} takes the defaults; null: it does not",
     )
     step: AnyStep | None = _change(
         "as `time.step`; a fixed one is counted from where the stage begins, if it is another than "
@@ -74,18 +74,20 @@ class Stage(Model):
         description="bodies of the case that come as it begins, and are not there before; what "
         "they bring of mass, momentum and energy goes into the columns `added` of the history",
     )
-    method: _Entries = _keyed("`relaxation`, as in the case")
+    method: _Entries = _keyed("`pic-damping`, as in the case")
     materials: _Entries = _keyed(
         "by name, parameters that change, {soil: {cohesion: 2.0e3}}; not `model`, `density`, and "
         "what particles only start with"
     )
     strength: Strength | None = _change(
         "soils are weaker than cases and stages have them, by a factor, from here on; of another "
-        "stage's it is in place; null: none"
+        "stage's it is in place; null: none",
+        alias="strength-reduction",
     )
     gravity: VaryingVector = _change("as in the case, in place of it; null: none [length/time^2]")
     body_force: object = Field(
         default=None,
+        alias="body-force",
         description="as in the case, in place of it; null: none",
         json_schema_extra=_any_form,
     )
@@ -102,7 +104,7 @@ class Stage(Model):
     boundaries: _Entries = _keyed(
         "by face, conditions in place of those before; null: none from here on"
     )
-    escape: _Entries = _keyed("by face, as in the case; null: `stop`")
+    outflow: _Entries = _keyed("by face, as in the case; null: `stop`")
     tractions: _Entries = _keyed(
         "by name, keys that change of a traction of the case; null ends it; no new ones"
     )
@@ -117,13 +119,20 @@ class Stage(Model):
     @model_serializer(mode="wrap")
     def _as_written(self, handler: Any) -> dict[str, Any]:
         """Write only the given keys: missing keys change nothing."""
-        return {key: value for key, value in handler(self).items() if key in self.model_fields_set}
+        given = {self.key(name) for name in self.model_fields_set} | self.model_fields_set
+        return {key: value for key, value in handler(self).items() if key in given}
+
+    @classmethod
+    def key(cls, name: str) -> str:
+        """Return the key of a field."""
+        return cls.model_fields[name].alias or name
 
     @property
     def changes(self) -> dict[str, Any]:
         """Changes by section, as written."""
-        named = ("name", "end", "step", "settle")
-        return {key: value for key, value in self.model_dump().items() if key not in named}
+        named = ("name", "end", "step", "equilibrate")
+        every = self.model_dump(by_alias=True)
+        return {key: value for key, value in every.items() if key not in named}
 
 
 class Staged(NamedTuple):
@@ -189,7 +198,7 @@ def merged(
     step = stage.step if stage.step is not None else before["time"]["step"]
     end = before["time"]["end"] if stage.end is None else stage.end
     data["time"] = {**before["time"], "end": end, "step": step}
-    data["start"] = {"settle": stage.settle and stage.settle.model_dump()}
+    data["start"] = {"equilibrate": stage.equilibrate and stage.equilibrate.model_dump()}
     for name in stage.remove:
         if "rigid" in data["bodies"].get(name, {}):
             data["bodies"] = {key: body for key, body in data["bodies"].items() if key != name}

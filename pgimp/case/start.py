@@ -72,7 +72,7 @@ class Settle(Model):
         description="at rest is where the sum over the vertices of the magnitude of the unbalanced "
         "force is below this part of twice that of the loads (weight, tractions, given forces), "
         "which is that of a column's loads and of what bears them; or of a hundredth of the forces "
-        "of stresses, if that is more; with body_force, of these [1]",
+        "of stresses, if that is more; with body-force, of these [1]",
     )
     steps: Count = Field(
         default=100000,
@@ -94,10 +94,10 @@ class StartEntry(Model):
         default=None,
         description="geostatic: bodies begin with the stress of the weight above each particle, or "
         "with that of a function of one's own, and with what of deformation and state belongs to "
-        "it; before `settle`. null: none",
+        "it; before `equilibrate`. null: none",
     )
 
-    settle: Settle | None = Field(
+    equilibrate: Settle | None = Field(
         default=None,
         description="before time 0 the run comes to rest under the loads of time 0, in steps as "
         "long as is stable, with a damping that finds its own strength; then time, velocities, "

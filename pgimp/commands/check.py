@@ -13,7 +13,7 @@ from pathlib import Path
 from pgimp.case.choices.choose import lines
 from pgimp.case.choices.written import written
 from pgimp.case.load import load
-from pgimp.case.locations import located
+from pgimp.case.locations import located, old_words
 from pgimp.case.reader import read_case
 from pgimp.case.schema import Case
 from pgimp.errors import UsageError, explain
@@ -33,6 +33,7 @@ from pgimp.scene.checks.validity import impedance, repose, tearing, tool_edges
 from pgimp.scene.checks.warned import Warned, warned
 from pgimp.scene.mass_scaling import scaling_notes
 from pgimp.schema.document import decode, read
+from pgimp.schema.words.renew import renewed_text
 from pgimp.solver.start.memory import size_text
 from pgimp.solver.start.require_memory import MemoryShortError
 from pgimp.solver.time.stability import stability_warning, stable_courant
@@ -75,7 +76,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--write",
         action="store_true",
-        help="write what was chosen of the method into the case file; its comments stay",
+        help="write what was chosen of the method into the case file, and new words for older "
+        "ones; its comments stay",
     )
     parser.add_argument(
         "-v",
@@ -100,10 +102,11 @@ def execute(args: argparse.Namespace) -> int:
 
 def _write(name: str, case: Case) -> None:
     """Write what was chosen into the case file, whose comments stay."""
-    if not lines(case):
-        print(f"{name}: nothing was chosen; it stays as it is")
+    before = decode(read(name), name)
+    text = written(renewed_text(before), case)
+    if text == before:
+        print(f"{name}: nothing was chosen, and no word is old; it stays as it is")
         return
-    text = written(decode(read(name), name), case)
     again = read_case(text, name)
     if again.model_dump() != case.model_dump():
         raise UsageError(f"{name}: its form is not one that --write can change; it stays as it is")
@@ -111,7 +114,8 @@ def _write(name: str, case: Case) -> None:
         atomic.write(Path(name), text)
     except OSError as error:
         raise UsageError(f"cannot write {name}: {explain(error)}") from None
-    print(f"{name}: has now what was chosen")
+    changes = ["what was chosen"] * bool(lines(case)) + ["new words"] * bool(old_words(case))
+    print(f"{name}: has now {' and '.join(changes)}")
 
 
 def report(case: Case, verbose: bool = False) -> None:
@@ -151,6 +155,8 @@ def report(case: Case, verbose: bool = False) -> None:
     report_walls(case)
     for text in lines(whole):
         print(f"chosen           {text}")
+    if text := old_words(whole):
+        print(f"older words      {text}; --write puts in the new ones")
     report_inflow(case, known.entering, duration)
     chosen = ", chosen by pgimp" if case.watched else ""
     longest = f"; Courant 1 is {1.0 / rate:.4g}" if verbose else ""
@@ -165,7 +171,7 @@ def report(case: Case, verbose: bool = False) -> None:
     to_rest = sum(settling, Settling())
     if whole.time.stages:
         # A pilot run does not settle.
-        factor = 1.0 if case.start.settle else steps * dt / case.time.end
+        factor = 1.0 if case.start.equilibrate else steps * dt / case.time.end
         steps += report_stages(whole, known.scenes, factor, known.varied, settling)
     least, most = (
         forecast.frames(whole, steps, [one[k] for one in settling]) for k in range(len(to_rest))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -231,6 +232,24 @@ def _run(
     each: Each | None = None,
 ) -> bool:
     """Run a case in a directory; return whether it reached its end."""
+    ended, again = _run_once(case, text, comm, output, how, log, stop, each)
+    if not again:
+        return ended
+    how = how._replace(overwrite=False, resume=True)
+    return _run(case, text, comm, output, how, Log(log.speaks, log.quiet), stop, each)
+
+
+def _run_once(
+    case: Case,
+    text: bytes | None,
+    comm: Communicator,
+    output: Path,
+    how: How,
+    log: Log,
+    stop: Stop,
+    each: Each | None,
+) -> tuple[bool, bool]:
+    """Run a case; return whether it reached its end, and whether it is to run on smaller cells."""
     from pgimp.case.choices.choose import lines as chosen_lines
     from pgimp.case.choices.kept import carried
     from pgimp.case.functions import functions_of
@@ -251,19 +270,21 @@ def _run(
         with announced(log.say):
             if how.resume:
                 case = as_begun(case, comm, directory)
-            if accompanied := has_companions(case, directory, how):
+            conclude: Callable[[], bool] = bool  # there is nothing to tell
+            if has_companions(case, directory, how):
                 from pgimp.utilities.accuracy import accompany
 
                 chosen = accompany.begin(case, directory, how, log, stop, _run)
                 if chosen is None:
-                    return False
-                case = carried(case, chosen)
+                    return False, False
+                case = carried(case, chosen.case)
+                conclude = partial(accompany.conclude, chosen, directory, log, stop)
+                if chosen.over:
+                    how = how._replace(resume=False)
             found = load_pair(case, comm, directory, log, each) if how.resume else None
             if found == "done":
                 log.say(f"{output} holds this run, done already: nothing is left to do")
-                if accompanied:
-                    accompany.conclude(case, directory, log)
-                return True
+                return True, conclude()
             resumed = found if isinstance(found, Resumed) else None
             sim = _set_up(case, comm, log, began, each) if resumed is None else resumed.sim
         for line in chosen_lines(case):
@@ -287,9 +308,7 @@ def _run(
         directory.prepare(texts, about, resumed is not None)
         log.write_to(output / "log.txt")
         ended = advance(case, sim, resumed and resumed.about, directory, log, stop)
-        if ended and accompanied:
-            accompany.conclude(case, directory, log)
-        return ended
+        return ended, ended and conclude()
     finally:
         directory.release()
         log.close()

@@ -79,7 +79,7 @@ def warnings(case: Case, steps: float) -> Iterator[Warned]:
     end = case.time.last
     # Nobody knows the number of steps to rest before. They count, but those of the start write
     # checkpoints alone.
-    rests = [stage.start.settle is not None for stage in case.stages]
+    rests = [stage.start.equilibrate is not None for stage in case.stages]
     for key, every, what in requested:
         if every is None or isinstance(every, WallTime):
             continue

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pgimp.case.escape import exits_of
+from pgimp.case.outflow import exits_of
 from pgimp.io.results.reader import Run
 from pgimp.io.rundir.rundir import RunDirectory
 from pgimp.running.accuracy.find import of_run
@@ -100,10 +100,10 @@ def say_done(
     )
     left = sim.count - sim.present() if sim.scene.settings.loses else 0
     if left:
-        out = dict.fromkeys(name for case in sim.cases for name in exits_of(case.escape))
+        out = dict.fromkeys(name for case in sim.cases for name in exits_of(case.outflow))
         ways = [f"left through {' or '.join(out)}"] if out else []
         ways += ["were removed with their bodies"] if sim.case.staged.removed else []
-        columns = [*["escaped"] * bool(out), *["removed"] * bool(sim.case.staged.removed)]
+        columns = [*["outflow"] * bool(out), *["removed"] * bool(sim.case.staged.removed)]
         log.say(
             f"note: {left} of {sim.count} particles {' or '.join(ways)}; the columns "
             f"{' and '.join(columns)} of history.csv tell what they took along"
@@ -139,7 +139,7 @@ def say_done(
             f"in {fallbacks} particle-steps the positions around a loaded surface gave no usable "
             "deformation, and the load followed F of the particle alone",
             "there its area and normal may be wrong: look whether the body has torn, or take more "
-            "particles, or configuration: initial",
+            "particles, or formulation: total-lagrangian",
         )
     part, when, face = sim.diagnostic_sums.most_outside
     if part > _NEGLIGIBLE:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pgimp.case.escape import exits
+from pgimp.case.outflow import exits
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError
 from pgimp.kernels.data.frame import FRAMES, AxialFrame
@@ -95,7 +95,7 @@ class Domain:
         self.absorbing = [(n, face) for n, face in enumerate(self.faces) if face.condition.absorbs]
         self.settling = False
         periods = [PERIODIC + axis for axis, joined in enumerate(self.periodic) if joined]
-        self.exits = sum(1 << bit for bit in (*map(order.index, exits(case.escape)), *periods))
+        self.exits = sum(1 << bit for bit in (*map(order.index, exits(case.outflow)), *periods))
         # Unilateral walls come last: where they meet other walls, they use the sums of both.
         self.mirrors = sorted(
             (

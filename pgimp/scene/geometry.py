@@ -265,7 +265,7 @@ def _wanted(case: Case, name: str, named: str | None, states: States) -> Wanted:
     )
     return Wanted(
         name, named, str(getattr(law, "model", "")), states, case.geometry,
-        body.configuration == "initial", density, inertia, periods, case.method.affine,
+        body.formulation == "total-lagrangian", density, inertia, periods, case.method.affine,
         continued_columns(),
     )  # fmt: skip
 

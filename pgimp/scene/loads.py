@@ -79,13 +79,13 @@ class SceneLoads:
                 np.array([entry.quadratic if entry else 0.0 for entry in entries]),
                 float(min(case.grid.cell)),
             )
-        self.lagrangian = [body.configuration == "initial" for body in case.bodies.values()]
+        self.lagrangian = [body.formulation == "total-lagrangian" for body in case.bodies.values()]
         moving = not all(self.lagrangian)  # else the vertices keep the velocities
         self.relaxation: float | tuple[()] = (relaxation_rate(case) if moving else 0.0) or ()
         holds = (face.motion(0.0) is not None for face in case.boundaries.values())
         self.affine: float | tuple[()] = 1.0 if case.method.affine and moving else ()
         volumetric = case.method.volumetric if case.dimensions > 1 else "pointwise"  # same in 1D
-        self.mean: float | np.ndarray | tuple[()] = 1.0 if volumetric == "mean" else ()
+        self.mean: float | np.ndarray | tuple[()] = 1.0 if volumetric == "b-bar" else ()
         law = [case.materials[body.material] for body in case.bodies.values()]
         rests = np.array([entry.RESTS for entry in law])
         self.rest: np.ndarray | tuple[()] = rests if rests.any() and any(holds) else ()
@@ -98,7 +98,7 @@ class SceneLoads:
         self.least_parts = np.array(
             [
                 LEAST_PART
-                * (case.bodies[entry.body].configuration == "initial")
+                * (case.bodies[entry.body].formulation == "total-lagrangian")
                 * all(force is None for force in entry.force)
                 for entry in self.constraints
             ]

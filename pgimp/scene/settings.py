@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from pgimp.case.checks.exact_surfaces import exact_surfaces
-from pgimp.case.escape import exits_of
+from pgimp.case.outflow import exits_of
 from pgimp.case.schema import Case
 from pgimp.physics.shapes.gimp import GimpParameters
 from pgimp.physics.shapes.parts import PartParameters
@@ -53,7 +53,7 @@ class Settings:
 
     def __init__(self, case: Case) -> None:
         self.lagrangian = np.array(
-            [b.configuration == "initial" for b in case.bodies.values()], bool
+            [b.formulation == "total-lagrangian" for b in case.bodies.values()], bool
         )
         self.averaged = np.array(
             [(b.mass or case.method.mass) == "averaged" for b in case.bodies.values()], bool
@@ -74,10 +74,10 @@ class Settings:
         self.follows = method.follows and not self.initial
         self.exact: Any = case.exact.parameters(case) if case.exact else ()
         self.moves = bool(case.exact) and case.exact.moves
-        self.escapes = bool(exits_of(case.escape)) or case.staged.escapes
+        self.escapes = bool(exits_of(case.outflow)) or case.staged.escapes
         self.loses = self.escapes or bool(case.staged.removed)
         self.damps = case.damping is not None or case.staged.damped or case.rests
-        self.settles = case.start.settle is not None
+        self.settles = case.start.equilibrate is not None
         fields = case.output.fields
         self.origins = self.by_vertex or bool(case.exact) or "displacement" in fields
         self.origins |= bool(case.body_force) and case.body_force.initial

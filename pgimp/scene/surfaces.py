@@ -51,7 +51,7 @@ class SurfaceLoads:
         loaded = {entry.body for entry in self.entries.values() if entry.follower}
         self.following = np.array(
             [
-                name in loaded and case.dimensions > 1 and body.configuration != "initial"
+                name in loaded and case.dimensions > 1 and body.formulation != "total-lagrangian"
                 for name, body in case.bodies.items()
             ]
         )

@@ -62,6 +62,14 @@ class Document:
     data: Any
     locations: dict[Path, int | str] = field(default_factory=dict)
     """By path: the line of the key or the list item, or the override that wrote it."""
+    old_keys: dict[Path, str] = field(default_factory=dict)
+    """By path: the older name by which a key was written, see `pgimp.schema.words.renamed`."""
+    old_values: dict[Path, str] = field(default_factory=dict)
+    """By path: the older word as which a value was written."""
+
+    def as_written(self, path: Path) -> Path:
+        """Return a path by the names with which its keys were written."""
+        return tuple(self.old_keys.get(path[: n + 1], key) for n, key in enumerate(path))
 
     def location(self, path: Path) -> int | str | None:
         """Return the location of `path`, or of the nearest part around it."""

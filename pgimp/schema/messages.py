@@ -14,6 +14,7 @@ from pydantic_core import ErrorDetails, ValidationError
 from pgimp.schema.pages import page
 from pgimp.schema.problems import ABSENT, KIND, MOST_PROBLEMS, Problem
 from pgimp.schema.words import lookalikes
+from pgimp.schema.words.renamed import FORMER
 from pgimp.schema.words.trades import beyond, meant_by
 
 _NUMBER_LIKE = re.compile(r"[-+]?(\d[\d_]*(\.\d*)?|\.\d+)([eEdD][-+]?\d+)?")
@@ -99,8 +100,9 @@ def _exponent(number: str) -> str:
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
-    """Return the known name nearest to `name`."""
+    """Return the known name nearest to `name`; it may be like an older word for it."""
     by_fold = {item.casefold().replace("_", "-"): item for item in known}
+    by_fold = {old: new for old, new in FORMER.items() if new in by_fold} | by_fold
     found = difflib.get_close_matches(name[:100].casefold().replace("_", "-"), by_fold, 1, 0.6)
     return by_fold[found[0]] if found else None
 

@@ -12,6 +12,8 @@ from pgimp.errors import CaseError
 from pgimp.schema.dispatch import given
 from pgimp.schema.document import DEEPEST, Document, Path, parse
 from pgimp.schema.messages import describe, dotted, shorten
+from pgimp.schema.words.renamed import new_path
+from pgimp.schema.words.renew import renew
 
 Overrides = Sequence[str] | Mapping[str, object]
 """``["time.end=3.0"]``, as on the command line, or ``{"time.end": 3.0}``."""
@@ -64,10 +66,12 @@ def change(document: Document, keys: list[str], value: object, label: str) -> No
     """
     if len(keys) > DEEPEST:
         raise CaseError(f"{label}: a path of {len(keys):,} keys is too long (at most {DEEPEST})")
-    written = _write(document.data, keys, value, label)
-    for known in [known for known in document.locations if known[: len(written)] == written]:
-        del document.locations[known]
+    written = _write(document.data, new_path(keys), value, label)
+    for paths in (document.locations, document.old_keys, document.old_values):
+        for known in [known for known in paths if known[: len(written)] == written]:
+            del paths[known]
     document.locations[written] = label
+    renew(document, label)
 
 
 def _write(data: Any, keys: list[str], value: Any, label: str) -> Path:

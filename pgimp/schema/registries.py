@@ -13,7 +13,7 @@ from typing import Any
 from pydantic import BaseModel, GetJsonSchemaHandler, ValidationError
 
 from pgimp.schema.dispatch import Dispatch, plain
-from pgimp.schema.messages import explain, got, unknown
+from pgimp.schema.messages import explain, got, keys_of, unknown
 from pgimp.schema.problems import Problem, problem, raise_problems
 
 COMMENT = "defined under "
@@ -87,7 +87,7 @@ class ByKey(Dispatch):
         if not isinstance(value, Mapping) or not value:
             raise problem(f"expected a {self.what}, a mapping with one of {names}; {got(value)}")
         for name in value:
-            if name in known and name in known[name].model_fields:
+            if name in known and name in keys_of(known[name]):
                 return known[name].model_validate(value)
         strange = [name for name in value if name not in known]
         texts = [Problem((name,), unknown(self.what, str(name), known)) for name in strange]
@@ -100,7 +100,7 @@ class ByKey(Dispatch):
     def write(self, value: BaseModel) -> dict[str, object]:
         """See `Dispatch`."""
         name = name_of(value, self.registry())
-        return plain(value) if name in type(value).model_fields else {name: plain(value)}
+        return plain(value) if name in keys_of(type(value)) else {name: plain(value)}
 
     def document(self, handler: GetJsonSchemaHandler) -> dict[str, object]:
         """Refer to a definition, since the types may contain one another."""
@@ -110,7 +110,7 @@ class ByKey(Dispatch):
 class ByWord(Dispatch):
     """The name of a type in a registry, ``fixed``, or a mapping with it: ``{velocity: [...]}``.
 
-    If the name is no key of the type, its keys are below: ``{separating: {friction: 0.3}}``. The
+    If the name is no key of the type, its keys are below: ``{unilateral: {friction: 0.3}}``. The
     plain name is the type with its defaults.
     """
 
@@ -125,7 +125,7 @@ class ByWord(Dispatch):
         if isinstance(value, str):
             if value not in known:
                 raise problem(unknown(self.what, value, known))
-            if value in known[value].model_fields:
+            if value in keys_of(known[value]):
                 raise problem(f"expected {{{value}: ...}}, {got(value)}")
             return known[value].model_validate({})
         if not isinstance(value, Mapping) or not value:
@@ -136,7 +136,7 @@ class ByWord(Dispatch):
             raise_problems(self.what, found, value)
         if _is_word(known[names[0]]):
             raise problem(f"write the plain word '{names[0]}', {got(value)}")
-        if names[0] in known[names[0]].model_fields:
+        if names[0] in keys_of(known[names[0]]):
             return known[names[0]].model_validate(value)
         strange = [key for key in value if key != names[0]]
         texts = [Problem((key,), f"does not belong beside '{names[0]}'") for key in strange]
@@ -147,7 +147,7 @@ class ByWord(Dispatch):
         """See `Dispatch`."""
         name = name_of(value, self.registry())
         content = plain(value)
-        if name in type(value).model_fields:
+        if name in keys_of(type(value)):
             return content
         bare = not _required(type(value)) and value == type(value)()
         return name if bare or not content else {name: content}
@@ -156,7 +156,7 @@ class ByWord(Dispatch):
         """See `Dispatch`."""
         forms: list[dict[str, object]] = []
         for name, entry in self.registry().items():
-            if name in entry.model_fields:
+            if name in keys_of(entry):
                 forms.append(handler(entry.__pydantic_core_schema__))
                 continue
             forms.append({"const": name, "description": inspect.getdoc(entry)})
@@ -207,7 +207,7 @@ class ByName(ByKey):
         """See `Dispatch`."""
         forms: list[dict[str, object]] = []
         for name, entry in self.registry().items():
-            if name in entry.model_fields:
+            if name in keys_of(entry):
                 forms.append(handler(entry.__pydantic_core_schema__))
                 continue
             if not _required(entry):

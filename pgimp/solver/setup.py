@@ -210,7 +210,11 @@ def _compile(start: Start, later: Sequence[Scene], counted: int) -> None:
         warm_up(each, comm)
     rate = max(rest_rate(scene, body) for body in range(len(scene.body_names)))
     start.clock = clock_of(start.case, rate, counted)
-    start.watch = EnergyWatch(rate * min(scene.domain.frame.cell)) if start.case.watched else None
+    start.watch = (
+        EnergyWatch(rate * min(scene.domain.frame.cell), start.case.method.stress)
+        if start.case.watched
+        else None
+    )
     # Messages of the ranks about the cache on their nodes, each once.
     said = comm.allgather((problems(), FOLDER.warning))
     start.notes[:0] = messages(found for found, _ in said)

@@ -215,7 +215,7 @@ class Simulation(SimulationProgress):
 
     def _look_for_rest(self) -> None:
         """End the settling if the run, or the stage, has come to rest; collective."""
-        settle = self.case.start.settle
+        settle = self.case.start.equilibrate
         self.unbalanced = unbalanced_part(self.rank)
         if self.case.rests:
             self.diagnostic_sums.note_forces(self.rank, self.now)

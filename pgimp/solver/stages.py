@@ -296,7 +296,7 @@ def _watch(now: Start, speed: float) -> None:
     before, now.watch = now.watch, None
     if not now.case.watched:
         return
-    now.watch = EnergyWatch(speed)
+    now.watch = EnergyWatch(speed, now.case.method.stress)
     if before:
         now.watch.numbers = before.numbers
     if now.rank.slaves:

@@ -31,6 +31,9 @@ class LineFile:
         Number of lines.
     """
 
+    #: Returns the name of a column now, for one by which an older file may have it.
+    renamed: Callable[[str], str] = staticmethod(str)
+
     def __init__(self, path: Path) -> None:
         self.path = path
         self.step = -1
@@ -87,7 +90,7 @@ class LineFile:
         return last, count
 
     def widen(self, columns: Sequence[str], absent: Callable[[str], float]) -> None:
-        """Add columns to a continued file; on rank 0.
+        """Add columns to a continued file, and give those of an older one new names; on rank 0.
 
         Existing columns stay, even if they are not in `columns`.
 
@@ -103,9 +106,10 @@ class LineFile:
         RunError
             If that is not possible; the file is then unchanged.
         """
-        had = self._columns.split(",") if self._columns else []
+        old = self._columns.split(",") if self._columns else []
+        had = [*map(self.renamed, old)]
         self._filled = {name: absent(name) for name in had if name not in columns}
-        if not had or all(name in had for name in columns):
+        if not had or (had == old and all(name in had for name in columns)):
             return
         wide = list(columns) if not self._filled else [*had, *(c for c in columns if c not in had)]
         try:

@@ -57,7 +57,7 @@ def block(cells, per_cell=2, shape="gimp", material=None, pad=PAD, method=None, 
     return {
         "format": 1, "title": "Block in free fall", "dimensions": D,
         "grid": {"origin": [0.0] * D, "size": size, "cell": [h] * D},
-        "method": {"shape": shape, "particles_per_cell": [per_cell] * D, **(method or {})},
+        "method": {"shape": shape, "particles-per-cell": [per_cell] * D, **(method or {})},
         "time": {"end": 100_000 * dt, "step": dt}, "materials": {"solid": MATERIALS[material]},
         "bodies": {"block": {
             "material": "solid", "region": {"box": {"min": low, "max": high}},

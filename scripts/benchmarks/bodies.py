@@ -29,7 +29,7 @@ def scene(count):
     return pgimp.load({
         "format": 1, "dimensions": 2,
         "grid": {"origin": [0.0, 0.0], "size": [width] * 2, "cell": [CELL] * 2},
-        "method": {"shape": "gimp", "particles_per_cell": [2, 2], "affine": True},
+        "method": {"shape": "gimp", "particles-per-cell": [2, 2], "affine": True},
         "time": {"end": 1.0, "step": 2.5e-4}, "materials": {"gel": gel}, "bodies": bodies,
         "contact": [{"bodies": "all", "friction": 0.5}],
     })  # fmt: skip

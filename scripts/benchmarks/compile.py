@@ -19,14 +19,14 @@ CASE = """\
 format: 1
 dimensions: 3
 grid: {size: [2.0, 1.2, 1.6], cell: [0.2, 0.2, 0.2]}
-method: {shape: gimp, particles_per_cell: [2, 2, 2]}
+method: {shape: gimp, particles-per-cell: [2, 2, 2]}
 time: {end: 1.0e-4, step: {courant: 0.3}}
 materials:
   rubber: {model: neo-hookean, young: 3.0e5, poisson: 0.3, density: 1000.0}
 bodies:
   block: {material: rubber, region: {box: {min: [0.4, 0.2, 0.4], max: [1.6, 1.0, 1.2]}}}
 gravity: [0.0, 0.0, -9.81]
-boundaries: {z-min: separating}
+boundaries: {z-min: unilateral}
 output: {fields: [velocity, stress, pressure, von-mises]}
 """
 COLD, WARM = "a block on a floor, nothing compiled", "the block again, all compiled"
@@ -40,7 +40,7 @@ ROWS = {
         "tractions={lid: {body: block, pressure: 100.0, "
         "region: {box: {min: [0.3, 0.1, 1.1], max: [1.7, 1.1, 1.3]}}}}"
     ],
-    "then: the initial configuration": ["bodies.block.configuration=initial"],
+    "then: the initial configuration": ["bodies.block.formulation=total-lagrangian"],
     WARM: [],
 }
 

@@ -53,7 +53,7 @@ def features(cells, shape="gimp"):
         },
         "constraint": {"constraints": {"grip": held}},
         "wall: slip": {"boundaries": {"y-min": "slip"}},
-        "wall: separating": {"boundaries": {"y-min": "separating"}},
+        "wall: unilateral": {"boundaries": {"y-min": "unilateral"}},
         "wall: moving": {
             "boundaries": {"y-min": {"velocity": [0.0 if d == 1 else None for d in range(D)]}}
         },
@@ -62,7 +62,7 @@ def features(cells, shape="gimp"):
             "bodies": {"block": body(low, middle[0]), "other": body(middle[1], high, "second")},
             "materials": {"solid": MATERIALS["neo-hookean"], "second": MATERIALS["hooke"]},
         },
-        "escape": {"escape": {"x-max": "remove"}},
+        "outflow": {"outflow": {"x-max": "remove"}},
         "history every step": {},
     }
     if shape != "gimp":  # whose walls may be mirrors

@@ -28,7 +28,7 @@ CASE = Path(__file__).resolve().parents[2] / "cases" / "block3d.yaml"
 BLOCK = (
     "bodies.block.region={box: {min: [0.4, 0.2, 0.0], max: [1.6, 1.0, 0.8]}}",
     "bodies.block.velocity=[1.0, 0.5, -1.0]",
-    "bodies.block.configuration=current",
+    "bodies.block.formulation=updated-lagrangian",
 )
 #: Cells, steps before the measurement, repeats, and whether other forms of frames are measured.
 SIZES = {

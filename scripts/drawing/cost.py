@@ -60,7 +60,7 @@ def measure(kind, cell):
 def advance(kind, cell):
     """Run the column once; returns a point, its error None if the run stopped early."""
     words = [
-        f"method={{{METHODS[kind.method].entry}, particles_per_cell: [{kind.per_cell}]}}",
+        f"method={{{METHODS[kind.method].entry}, particles-per-cell: [{kind.per_cell}]}}",
         f"grid={{origin: [0.0], size: [55.0], cell: [{cell}]}}",
         f"time={{end: {TIME}, step: {kind.courant * 1.0e-3 * cell!r}}}",
         "exact=compaction",

@@ -154,8 +154,8 @@ def footing(redraw):
     figure.colorbar(shown, ax=axes[0], label="plastic strain", shrink=0.8, extend="max")
     for results, colour, name in ((mean, BLUE, "mean"), (locked, RED, "pointwise")):
         history = results.history
-        pressure = history["tool.strip.force-y"] / (half * 1.0e4)
-        down = -1e3 * history["tool.strip.displacement-y"]
+        pressure = history["rigid.strip.force-y"] / (half * 1.0e4)
+        down = -1e3 * history["rigid.strip.displacement-y"]
         axes[1].plot(down, pressure, color=colour, label=f"volumetric: {name}")
     axes[1].axhline(2.0 + np.pi, color="k", ls="--", lw=1.0, label="2 + π")
     axes[1].set(xlabel="settlement [mm]", ylabel="pressure over c", xlim=(0, 18), ylim=(0, 8))

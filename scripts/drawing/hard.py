@@ -149,7 +149,7 @@ def hard_bending(redraw):
         axes,
         ("pointwise", "mean"),
         (RED, BLUE),
-        ([], ["method.volumetric=mean", "time.step.courant=0.3"]),
+        ([], ["method.volumetric=b-bar", "time.step.courant=0.3"]),
         strict=True,
     ):
         changes = ["grid.cell=[0.25,0.25]", *more]

@@ -187,7 +187,7 @@ def drum(redraw):
     left.legend(loc="lower right")
     time, x, _ = grains(results)
     mass = np.array([history[f"body.g{k + 1:03d}.mass"][0] for k in range(len(x))])
-    right.plot(time, history["tool.drum.torque-z"], color=BLUE, label="on the drum")
+    right.plot(time, history["rigid.drum.torque-z"], color=BLUE, label="on the drum")
     right.plot(time, -9.81 * mass @ x, "k--", lw=1.0, label="of the weight")
     right.set(xlabel="time [s]", ylabel="torque [N m/m]")
     right.legend(loc="lower right")

@@ -89,7 +89,7 @@ def cone(redraw):
     other = place * [-1.0, 1.0, 1.0]
     shown = boxes(axes[0], np.concatenate([other, place]), np.concatenate([radius, radius]),
                   np.concatenate([strain, strain]), (0.0, 2.0))  # fmt: skip
-    tip = -10.0 + results.history["tool.cone.displacement-y"][-1]
+    tip = -10.0 + results.history["rigid.cone.displacement-y"][-1]
     shoulder = tip + np.sqrt(3.0)
     axes[0].fill([0.0, 1.0, 1.0, -1.0, -1.0], [tip, shoulder, 2.0, 2.0, shoulder], color=GREY)
     axes[0].set(xlim=(-6.0, 6.0), ylim=(-25.0, 1.5), xlabel="radius", ylabel="height",
@@ -97,8 +97,8 @@ def cone(redraw):
     figure.colorbar(shown, ax=axes[0], label="plastic strain", shrink=0.8, extend="max")
     for each, colour, name in ((coarse, RED, "2 cells"), (results, BLUE, "4 cells")):
         history = each.history
-        way = -history["tool.cone.displacement-y"]
-        factor = np.convolve(history["tool.cone.force-y"] / np.pi, np.full(5, 0.2), "same")
+        way = -history["rigid.cone.displacement-y"]
+        factor = np.convolve(history["rigid.cone.force-y"] / np.pi, np.full(5, 0.2), "same")
         axes[1].plot(way[2:-2], factor[2:-2], color=colour, lw=1.0, label=f"{name} to the radius")
     for value, name in ((9.73, "Teh and Houlsby"), (10.77, "Lu et al.")):
         axes[1].axhline(value, color="k", ls="--", lw=0.8)

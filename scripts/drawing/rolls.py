@@ -74,8 +74,8 @@ def rolling_ball(redraw):
     left.set(xlabel="time [s]", ylabel="velocity [m/s]")
     left.legend()
     weight = history["body.ball.mass"][0] * 9.2184
-    right.plot(time, -history["tool.slope.force-z"] / weight, color=BLUE, label="across the slope")
-    right.plot(time, history["tool.slope.force-x"] / weight, color=RED, label="friction")
+    right.plot(time, -history["rigid.slope.force-z"] / weight, color=BLUE, label="across the slope")
+    right.plot(time, history["rigid.slope.force-x"] / weight, color=RED, label="friction")
     along = 2.0 / 7.0 * 3.3552 / 9.2184
     for end in (1.0, along):
         right.plot([0.0, ramp, 0.35], [0.0, end, end], "k--", lw=1.0)

@@ -115,8 +115,8 @@ def upsetting(redraw):
     axes[0].set_ylabel("y [m]")
     history = results.history
     left, right = figure.add_subplot(grid[1, :3]), figure.add_subplot(grid[1, 3:])
-    approach = -history["tool.punch.displacement-y"]
-    force = 0.5 * (history["tool.punch.force-y"] - history["tool.die.force-y"])
+    approach = -history["rigid.punch.displacement-y"]
+    force = 0.5 * (history["rigid.punch.force-y"] - history["rigid.die.force-y"])
     left.plot(1e3 * approach, force / 1e3, color=BLUE, label="mean of die and punch")
     ways = np.linspace(0.0, 0.09, 200)
     left.plot(1e3 * ways, hertz(ways) / 1e3, "k--", lw=1.0, label="Hertz")
@@ -124,7 +124,7 @@ def upsetting(redraw):
     left.legend()
     way = history["body.bar.centre-x"] - 0.45
     right.plot(history["time"], way, color=BLUE, label="way of the centre")
-    half = 0.5 * history["tool.punch.displacement-x"]
+    half = 0.5 * history["rigid.punch.displacement-x"]
     right.plot(history["time"], half, "k--", lw=1.0, label="half of the punch's way")
     right.set(xlabel="time [s]", ylabel="way along x [m]", ylim=(-0.01, 0.21))
     right.legend(loc="upper left")
@@ -141,8 +141,8 @@ def pile(redraw):
     back = 40.0 / np.sqrt(30.0e9 / 2400.0)
     force = 15600.0 * decay * exact / 1e6
     for axis, value, line, label in (
-        (axes[0], -history["tool.hammer.velocity-x"], exact, "velocity of the hammer [m/s]"),
-        (axes[1], history["tool.hammer.force-x"] / 1e6, force, "force on it [MPa]"),
+        (axes[0], -history["rigid.hammer.velocity-x"], exact, "velocity of the hammer [m/s]"),
+        (axes[1], history["rigid.hammer.force-x"] / 1e6, force, "force on it [MPa]"),
     ):
         axis.plot(1e3 * time, value, color=BLUE, label="pgimp")
         axis.plot(1e3 * time[time < back], line[time < back], "k--", lw=1.0, label="exact")

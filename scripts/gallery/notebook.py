@@ -59,7 +59,7 @@ plt.title(f"t = {{frame.time:g}}")
 plt.show()
 """
 _FIRST = ("von-mises", "plastic-strain", "plastic-shear", "pressure", "stress", "velocity")
-_KEYS = (("grid", "cell"), ("method", "shape"), ("method", "particles_per_cell"), ("time", "end"))
+_KEYS = (("grid", "cell"), ("method", "shape"), ("method", "particles-per-cell"), ("time", "end"))
 
 
 def notebook(case: Facts) -> str:

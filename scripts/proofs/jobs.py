@@ -27,7 +27,7 @@ format: 1
 title: Two soft blocks
 dimensions: 2
 grid: {origin: [0.0, 0.0], size: [24.0, 8.0], cell: [0.5, 0.5]}
-method: {shape: gimp, particles_per_cell: [2, 2]}
+method: {shape: gimp, particles-per-cell: [2, 2]}
 time: {end: 2.0, step: 0.01}
 materials:
   soft: {model: neo-hookean, young: 100.0, poisson: 0.3, density: 1.0}
@@ -47,7 +47,7 @@ format: 1
 title: Blocks, a tool and a stone
 dimensions: 2
 grid: {origin: [0.0, 0.0], size: [28.0, 8.0], cell: [0.5, 0.5]}
-method: {shape: gimp, particles_per_cell: [2, 2]}
+method: {shape: gimp, particles-per-cell: [2, 2]}
 time: {end: 3.0, step: 0.01}
 materials:
   soft: {model: neo-hookean, young: 100.0, poisson: 0.3, density: 1.0}
@@ -60,7 +60,7 @@ bodies:
     region: {ball: {centre: [16.0, 6.0], radius: 1.2}}
     velocity: {rotation: {about: [16.0, 6.0], rate: 1.0}, translation: [1.0, -1.0]}
 gravity: [0.0, -1.0]
-boundaries: {x-min: fixed, x-max: fixed, y-min: {separating: {friction: 0.4}}}
+boundaries: {x-min: fixed, x-max: fixed, y-min: {unilateral: {friction: 0.4}}}
 contact:
   - {bodies: all, friction: 0.3}
 output: {every: {steps: 37}, grid: [contact]}
@@ -73,16 +73,17 @@ format: 1
 title: Blocks and balls across a seam
 dimensions: 2
 grid: {origin: [0.0, 0.0], size: [24.0, 10.0], cell: [0.5, 0.5]}
-method: {shape: gimp, particles_per_cell: [2, 2]}
+method: {shape: gimp, particles-per-cell: [2, 2]}
 time: {end: 1.2, step: 0.01, stages: [{name: later, end: 2.4, remove: [goes]}]}
 materials:
   soft: {model: neo-hookean, young: 100.0, poisson: 0.3, density: 1.0}
 bodies:
-  left: {material: soft, configuration: initial, velocity: [-2.0, 0.0],
+  left: {material: soft, formulation: total-lagrangian, velocity: [-2.0, 0.0],
          region: {box: {min: [0.6, 0.1], max: [6.0, 3.0]}}}
-  right: {material: soft, configuration: initial, velocity: [1.0, -1.0],
+  right: {material: soft, formulation: total-lagrangian, velocity: [1.0, -1.0],
           region: {ball: {centre: [21.0, 2.6], radius: 2.2}}}
-  goes: {material: soft, configuration: initial, region: {box: {min: [8.0, 0.1], max: [11.0, 2.2]}}}
+  goes: {material: soft, formulation: total-lagrangian,
+         region: {box: {min: [8.0, 0.1], max: [11.0, 2.2]}}}
   one: {rigid: {density: 2.0}, velocity: [2.0, -1.0],
         region: {ball: {centre: [12.3, 5.0], radius: 1.2}}}
   other: {rigid: {density: 2.0}, region: {ball: {centre: [16.0, 5.2], radius: 1.2}}}
@@ -90,7 +91,7 @@ gravity: [0.0, -1.0]
 boundaries:
   x-min: periodic
   x-max: periodic
-  y-min: {separating: {friction: 0.4, restitution: 0.5}}
+  y-min: {unilateral: {friction: 0.4, restitution: 0.5}}
 contact:
   - {bodies: all, friction: 0.3}
   - {bodies: [one, other], restitution: 0.8}

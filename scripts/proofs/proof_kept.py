@@ -21,15 +21,15 @@ WINDOW = 25
 SOFT = {"model": "neo-hookean", "young": 100.0, "poisson": 0.3, "density": 1.0}
 
 
-def case(cells, bodies, gravity=None, friction=0.3, walls="separating", **parts):
+def case(cells, bodies, gravity=None, friction=0.3, walls="unilateral", **parts):
     """A case without an end, whose bodies are in the initial configuration if they are soft."""
-    faces = {f"{axis}-{end}": {"separating": {"friction": 0.2}} if walls == "separating" else walls
+    faces = {f"{axis}-{end}": {"unilateral": {"friction": 0.2}} if walls == "unilateral" else walls
              for axis in "xy" for end in ("min", "max")}  # fmt: skip
     return {
         "format": 1,
         "dimensions": 2,
         "grid": {"size": [float(n) for n in cells], "cell": [1.0, 1.0]},
-        "method": {"shape": "gimp", "particles_per_cell": [2, 2]},
+        "method": {"shape": "gimp", "particles-per-cell": [2, 2]},
         "time": {"end": 1.0e9, "step": {"courant": 0.3}},
         "materials": {"soft": SOFT},
         "bodies": bodies,
@@ -42,7 +42,7 @@ def case(cells, bodies, gravity=None, friction=0.3, walls="separating", **parts)
 
 def body(region, velocity=None, configuration="initial"):
     """A soft body."""
-    entry = {"material": "soft", "region": region, "configuration": configuration}
+    entry = {"material": "soft", "region": region, "formulation": configuration}
     return entry | ({"velocity": velocity} if velocity else {})
 
 
@@ -263,7 +263,7 @@ class Books:
             for name in line:
                 if name.startswith("reaction.") and name.endswith(f"-{axis}"):
                     given += line[name]
-                elif name.startswith("tool.") and name.endswith(f".force-{axis}"):
+                elif name.startswith("rigid.") and name.endswith(f".force-{axis}"):
                     given -= line[name]
             self.weight += abs(line["mass"] * self.gravity[d] * passed)
             gained = line[f"momentum-{axis}"] - last[f"momentum-{axis}"]

@@ -42,7 +42,7 @@ def tank(rng):
     size = [float(rng.randint(6, 14) if D == 2 else rng.randint(3, 6)) for _ in range(up)]
     method = {
         "shape": rng.choice(("gimp", "gimp", "finite-gimp", "cpdi", "bspline-quadratic")),
-        "particles_per_cell": [rng.choice((2, 2, 3)) if D == 2 else 2] * D,
+        "particles-per-cell": [rng.choice((2, 2, 3)) if D == 2 else 2] * D,
         "affine": rng.random() < 0.5,
         "volumetric": rng.choice(("pointwise", "mean")),
         "relaxation": rng.choice((0.0, 0.0, 0.1)) / depth**0.5,
@@ -89,7 +89,7 @@ def watch(case, end):
         lines.append(sim.diagnostics())
     room, carried, energy = (
         np.array([line[name] for line in lines])
-        for name in ("volume.liquid", "volume.liquid.carried", "kinetic-energy")
+        for name in ("volume.liquid", "volume.liquid.particles", "kinetic-energy")
     )
     lost = 1.0 - float((room / carried)[-30:].mean())
     off = float(carried[-30:].mean() / lines[0]["mass"] - 1.0)

@@ -14,7 +14,7 @@ format: 1
 title: A bar that swings under its weight
 dimensions: 1
 grid: {origin: [-8.0], size: [9.0], cell: [1.0]}
-method: {shape: gimp, particles_per_cell: [2]}
+method: {shape: gimp, particles-per-cell: [2]}
 time: {end: END, step: 0.01}
 materials:
   bar: {model: linear-1d, young: 100.0, density: 1.0}
@@ -23,7 +23,7 @@ bodies:
 gravity: [-0.5]
 boundaries: {x-max: fixed}
 history: {every: {steps: LINE}}
-checkpoint: {every: {wall: 20}, keep: 2}
+checkpoint: {every: {wall-time: 20}, keep: 2}
 """
 #: A block that spins freely: 256 particles.
 SMALL = """\
@@ -31,7 +31,7 @@ format: 1
 title: A block that spins freely
 dimensions: 2
 grid: {origin: [-8.0, -8.0], size: [16.0, 16.0], cell: [1.0, 1.0]}
-method: {shape: gimp, particles_per_cell: [2, 2]}
+method: {shape: gimp, particles-per-cell: [2, 2]}
 time: {end: END, step: 0.01}
 materials:
   soft: {model: neo-hookean, young: 100.0, poisson: 0.3, density: 1.0}
@@ -41,7 +41,7 @@ bodies:
     region: {box: {min: [-4.0, -4.0], max: [4.0, 4.0]}}
     velocity: {rotation: {about: [0.0, 0.0], rate: 0.2}}
 history: {every: {steps: LINE}}
-checkpoint: {every: {wall: 20}, keep: 2}
+checkpoint: {every: {wall-time: 20}, keep: 2}
 """
 _LINES = 200
 #: Growth of the memory from the first tenth of a run to its end, in MB, that still counts as

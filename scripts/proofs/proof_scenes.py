@@ -226,7 +226,9 @@ def _holds(case, body, face):
 
     One that is free across, or moves outwards, may; and constraints move particles through it.
     """
-    if case["bodies"][body].get("configuration") == "initial":  # a wall holds what lies on it
+    if (
+        case["bodies"][body].get("formulation") == "total-lagrangian"
+    ):  # a wall holds what lies on it
         return False
     if any(each["body"] == body for each in case.get("constraints", {}).values()):
         return False

@@ -39,7 +39,7 @@ def case_of(size, cell, materials, bodies, end, *, courant=0.3, per_cell=2, **pa
     case = {
         "format": 1, "dimensions": D,
         "grid": {"size": [*map(float, size)], "cell": [float(cell)] * D},
-        "method": {"shape": "gimp", "particles_per_cell": [per_cell] * D},
+        "method": {"shape": "gimp", "particles-per-cell": [per_cell] * D},
         "time": {"end": float(end), "step": {"courant": courant}}, "materials": materials,
         "bodies": bodies,
     }  # fmt: skip

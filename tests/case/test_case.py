@@ -22,7 +22,7 @@ SMALL = """
 format: 1
 dimensions: 1
 grid: {size: [54], cell: [1]}
-method: {shape: gimp, particles_per_cell: [2]}
+method: {shape: gimp, particles-per-cell: [2]}
 time: {end: 2.0, step: 1e-4}
 materials: {bar: {model: linear-1d, young: 1e6, density: 1}}
 bodies: {bar: {material: bar, region: {box: {min: [0], max: [50]}}}}
@@ -57,7 +57,7 @@ def test_numbers_are_the_same_however_they_are_written(number):
 
 @pytest.mark.parametrize("count", ["2", "2.0", "0.2e1", "+2"])
 def test_whole_numbers_are_the_same_however_they_are_written(count):
-    case = read_case(SMALL, overrides=[f"method.particles_per_cell=[{count}]"])
+    case = read_case(SMALL, overrides=[f"method.particles-per-cell=[{count}]"])
     assert case.method.particles_per_cell == (2,)
     assert type(case.method.particles_per_cell[0]) is int
 
@@ -144,8 +144,8 @@ def test_the_resolved_case_reads_like_one_written_by_hand():
         "grid: {origin: [0.0], size: [54.0], cell: [1.0]}\n"
         "method:\n"
         "  shape: gimp\n"
-        "  particles_per_cell: [2]\n"
-        "  relaxation: auto\n"
+        "  particles-per-cell: [2]\n"
+        "  pic-damping: auto\n"
         "  affine: false\n"
         "  volumetric: pointwise\n"
         "  stress: last\n"
@@ -153,7 +153,7 @@ def test_the_resolved_case_reads_like_one_written_by_hand():
         "  volume: tracked\n"
         "  wall: auto\n"
         "time: {end: 2.0, step: 0.0001, mass-scaling: 1.0, stages: []}\n"
-        "start: {stress: null, settle: null}\n"
+        "start: {stress: null, equilibrate: null}\n"
         "materials:\n"
         "  bar: {model: linear-1d, density: 1.0, viscosity: null, young: 1000000.0}\n"
         "bodies:\n"
@@ -162,14 +162,14 @@ def test_the_resolved_case_reads_like_one_written_by_hand():
         "    region: {box: {min: [0.0], max: [50.0]}}\n"
         "    surface: cut\n"
         "    velocity: [0.0]\n"
-        "    configuration: current\n"
+        "    formulation: updated-lagrangian\n"
         "    mass: null\n"
         "gravity: null\n"
-        "body_force: null\n"
+        "body-force: null\n"
         "water: null\n"
         "damping: null\n"
         "boundaries: {}\n"
-        "escape: {}\n"
+        "outflow: {}\n"
         "tractions: {}\n"
         "constraints: {}\n"
         "inflow: {}\n"
@@ -186,7 +186,7 @@ def test_the_resolved_case_reads_like_one_written_by_hand():
         "history: {every: {steps: 100}}\n"
         "probes: {}\n"
         "gauges: {}\n"
-        "checkpoint: {every: {wall: 900.0}, keep: 2}\n"
+        "checkpoint: {every: {wall-time: 900.0}, keep: 2}\n"
         "accuracy: null\n"
     )
 

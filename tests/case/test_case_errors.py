@@ -54,7 +54,7 @@ def test_types_of_the_wrong_dimension():
 
 def test_rotation_needs_a_vector_in_3d_and_does_not_exist_in_1d():
     one = """{format: 1, dimensions: 1, grid: {size: [4], cell: [1]}, time: {end: 1, step: 1},
-    method: {shape: mpm, particles_per_cell: [1]}, materials: {m: {model: linear-1d, young: 1,
+    method: {shape: mpm, particles-per-cell: [1]}, materials: {m: {model: linear-1d, young: 1,
     density: 1}}, bodies: {b: {material: m, region: {box: {min: [0], max: [1]}},
     velocity: {rotation: {about: [0], rate: 1}}}}}"""
     (line,) = lines_of(one)
@@ -62,7 +62,7 @@ def test_rotation_needs_a_vector_in_3d_and_does_not_exist_in_1d():
     three = one.replace("dimensions: 1", "dimensions: 3").replace(
         "linear-1d, ", "hooke, poisson: 0, "
     )
-    for key in ("size: [4]", "cell: [1]", "particles_per_cell: [1]", "about: [0]", "min: [0]"):
+    for key in ("size: [4]", "cell: [1]", "particles-per-cell: [1]", "about: [0]", "min: [0]"):
         number = key[key.index("[") + 1 : -1]
         three = three.replace(key, key.replace(number, ", ".join([number] * 3)))
     three = three.replace("max: [1]", "max: [1, 1, 1]")
@@ -226,7 +226,7 @@ def test_mistakes_of_geometry_have_file_and_line(tmp_path, name):
     meshio.write_points_cells(tmp_path / "m.vtu", corners, [("line", lines)])
     (tmp_path / "c.yaml").write_text(
         "format: 1\ndimensions: 2\ngrid: {size: [8.0, 8.0], cell: [1.0, 1.0]}\n"
-        "method: {shape: gimp, particles_per_cell: [2, 2]}\ntime: {end: 1.0, step: 0.01}\n"
+        "method: {shape: gimp, particles-per-cell: [2, 2]}\ntime: {end: 1.0, step: 0.01}\n"
         "materials:\n  soft: {model: neo-hookean, young: 100.0, poisson: 0.3, density: 1.0}\n"
         "bodies:\n  a:\n    material: soft\n    region: {box: {min: [2.0, 2.0], max: [4.0, 4.0]}}\n"
         f"  b:\n    material: soft\n    region: {region}\n"

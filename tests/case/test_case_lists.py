@@ -34,7 +34,7 @@ BASE = {
     "format": 1,
     "dimensions": 3,
     "grid": {"origin": [0.0, 0.0, 0.0], "size": [1.0, 1.0, 2.0], "cell": [0.1, 0.1, 0.1]},
-    "method": {"shape": "gimp", "particles_per_cell": [2, 2, 2]},
+    "method": {"shape": "gimp", "particles-per-cell": [2, 2, 2]},
     "time": {"end": 0.01, "step": {"courant": 0.3}},
     "materials": {"m": {"model": "hooke", "young": 1e6, "poisson": 0.3, "density": 1000.0}},
     "bodies": {"block": {"material": "m", "region": BOX, "velocity": [0.0, 0.0, 0.0]}},
@@ -62,7 +62,7 @@ def held(**keys):
 FLAT = {
     "dimensions": 2,
     "grid": {"origin": [0.0, 0.0], "size": [1.0, 1.0], "cell": [0.1, 0.1]},
-    "method": {"shape": "gimp", "particles_per_cell": [2, 2]},
+    "method": {"shape": "gimp", "particles-per-cell": [2, 2]},
     "materials": {"m": {**BASE["materials"]["m"], "model": "neo-hookean"}},
 }
 
@@ -117,8 +117,8 @@ PARTS = {
             "depth": {"level": [0.5, 0.5]},
         },
     },
-    "sink": {"escape": {"bin": {"region": OTHER}}},
-    "frame": {"body_force": {"rotating-frame": MOTION["rotation"]}},
+    "sink": {"outflow": {"bin": {"region": OTHER}}},
+    "frame": {"body-force": {"rotating-frame": MOTION["rotation"]}},
     "field": {
         "materials": {
             "m": {

@@ -9,7 +9,7 @@ from pgimp.errors import CaseError
 CASE = """format: 1
 dimensions: 2
 grid: {size: [4.0, 4.0], cell: [1.0, 1.0]}
-method: {shape: gimp, particles_per_cell: [2, 2]}
+method: {shape: gimp, particles-per-cell: [2, 2]}
 time: {end: 1.0, step: 0.01}
 materials: {soft: {model: neo-hookean, young: 100.0, poisson: 0.3, density: 1.0}}
 bodies:
@@ -38,7 +38,8 @@ def test_a_case_may_be_periodic():
         ("  x-max: periodic\n", "", "10: boundaries.x-min", ("x-max is not", "x-max: periodic")),
         ("x-min: periodic", "x-min: fixed", "11: boundaries.x-max", ("x-min is not",)),
         ("size: [4.0, 4.0]", "size: [2.0, 4.0]", "3: grid.size.0", ("2 cells are too few", "3")),
-        ("  x-max: periodic", "  x-max: periodic\nescape: {x-max: remove}", "12: escape.x-max", ()),
+        ("  x-max: periodic", "  x-max: periodic\noutflow: {x-max: remove}", "12: outflow.x-max",
+         ()),
         (
             "boundaries:",
             "tractions: {push: {body: block, face: x-max, pressure: 1.0}}\nboundaries:",
@@ -46,8 +47,8 @@ def test_a_case_may_be_periodic():
         ),
         (
             "boundaries:",
-            "body_force: {rotating-frame: {about: [0, 0], rate: 1.0}}\nboundaries:",
-            "9: body_force.rotating-frame", ("depends on the position", "gravity"),
+            "body-force: {rotating-frame: {about: [0, 0], rate: 1.0}}\nboundaries:",
+            "9: body-force.rotating-frame", ("depends on the position", "gravity"),
         ),
     ],
 )  # fmt: skip

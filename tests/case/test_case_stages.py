@@ -54,7 +54,7 @@ def test_a_stage_is_the_case_before_it_with_the_changes():
                 materials={"soil": {"friction-angle": 25.0}},
                 tractions={"push": {"pressure": 2.0}},
                 constraints={"grip": {"velocity": [1.0, 0.5]}, "more": GRIP | {"velocity": [0, 0]}},
-                boundaries={"x-min": None, "y-min": {"separating": {"friction": 0.3}}},
+                boundaries={"x-min": None, "y-min": {"unilateral": {"friction": 0.3}}},
                 method={"relaxation": 3.0},
                 output={"every": None},
                 remove=["tool"],
@@ -170,7 +170,7 @@ EXACT = {"vibrating-bar": {"amplitude": 0.01}}
             "is empty",
         ),
         ({"tractions": {"pull": None}}, "tractions.pull", "there is none to end"),
-        ({"escape": {"x-mux": None}}, "escape.x-mux", "there is none to end"),
+        ({"outflow": {"x-mux": None}}, "outflow.x-mux", "there is none to end"),
         ({"materials": {"soil": 3.0}}, "materials.soil", "expected a mapping of the keys"),
         ({"tractions": {"pull": {"pressure": 1.0}}}, "tractions.pull", "the pressure 0"),
         ({"tractions": {"push": {"face": "x-max"}}}, "tractions.push.face", "cannot change"),
@@ -178,9 +178,9 @@ EXACT = {"vibrating-bar": {"amplitude": 0.01}}
         ({"constraints": {"hold": {"velocity": [0, 0]}}}, "constraints.hold.body", "missing"),
         ({"boundaries": {"x-mid": "slip"}}, "boundaries.x-mid", "unknown face 'x-mid'"),
         ({"boundaries": {"x-mn": None}}, "boundaries.x-mn", "did you mean 'x-min'?"),
-        ({"escape": {"x-min": "remove"}}, "escape.x-min", "has a condition"),
+        ({"outflow": {"x-min": "remove"}}, "outflow.x-min", "has a condition"),
         ({"gravity": [1.0]}, "gravity", "expected 2 entries"),
-        ({"method": {"affine": True}}, "method.affine", "only relaxation can"),
+        ({"method": {"affine": True}}, "method.affine", "only pic-damping can"),
         ({"output": {"at": [1.5]}}, "output.at", "is for all stages"),
         ({"output": {"fields": ["displacement"]}}, "output.fields", "initial positions"),
         ({"output": {"evry": 2.0}}, "output.evry", "did you mean 'every'?"),
@@ -260,7 +260,7 @@ def test_planes_of_symmetry_of_free_rigid_bodies_stay(low, fixed, allowed):
         "region": {"box": {"min": [low, 5.0], "max": [3.0, 7.0]}},
     }
     slip = {"x-min": "slip"}
-    for first, then in ((slip, {"x-min": None}), ({}, slip), (slip, {"x-min": "separating"})):
+    for first, then in ((slip, {"x-min": None}), ({}, slip), (slip, {"x-min": "unilateral"})):
         case = scene(2, {"block": box([0.0, 0.0], [4.0, 4.0]), "hammer": hammer}, boundaries=first)
         case["time"]["stages"] = [{"name": "next", "end": 2.0, "boundaries": then}]
         if allowed:
@@ -283,9 +283,9 @@ def test_a_study_of_accuracy_wants_one_stage(tmp_path):
 
 def test_a_face_that_a_stage_closes_and_the_case_leaves_by_is_blamed_on_the_stage():
     text = dump_case(pgimp.load(staged(stage(boundaries={"x-max": "slip"}))))
-    bad = re.sub(r"\nescape: .*", "", text) + "escape: {x-max: remove}\n"
+    bad = re.sub(r"\noutflow: .*", "", text) + "outflow: {x-max: remove}\n"
     with pytest.raises(CaseError) as caught:
         read_case(bad, "dig.yaml")
     (line,) = str(caught.value).splitlines()
-    assert ": time.stages.0.boundaries.x-max: escape.x-max: x-max has a condition" in line
+    assert ": time.stages.0.boundaries.x-max: outflow.x-max: x-max has a condition" in line
     assert "{x-max: slip}" in bad.splitlines()[int(line.split(":")[1]) - 1]

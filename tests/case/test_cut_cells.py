@@ -10,10 +10,10 @@ from pgimp.case.grid import Grid
 from pgimp.case.schema import Case
 from pgimp.geometry.regions import REGIONS
 
-INITIAL = {"configuration": "initial"}
+INITIAL = {"formulation": "total-lagrangian"}
 ALONG = box([1.0, 2.0], [3.0, 3.5])
 BALL = {"material": "soft", "region": {"ball": {"centre": [5.2, 5.1], "radius": 1.4}}}
-FLOOR = {"y-min": "separating"}
+FLOOR = {"y-min": "unilateral"}
 
 
 def both(first, second):

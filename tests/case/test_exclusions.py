@@ -22,7 +22,7 @@ BOX = {"box": {"min": [2.0, 2.0], "max": [5.0, 5.0]}}
 STAMP = {"box": {"min": [2.0, 7.0], "max": [5.0, 7.5]}}
 CASE = {
     "format": 1, "dimensions": 2, "grid": {"size": [8.0, 8.0], "cell": [1.0, 1.0]},
-    "method": {"shape": "gimp", "particles_per_cell": [2, 2]},
+    "method": {"shape": "gimp", "particles-per-cell": [2, 2]},
     "time": {"end": 0.02, "step": 0.01},
     "materials": {"hard": {"model": "hooke", "young": 100.0, "poisson": 0.3, "density": 2.0}},
     "bodies": {
@@ -38,14 +38,14 @@ def of(**material):
     return {"bodies.block.material": "new", "materials.new": material}
 
 
-INITIAL = {B + "configuration": "initial", "bodies.other.configuration": "initial"}
+INITIAL = {B + "formulation": "total-lagrangian", "bodies.other.formulation": "initial"}
 FACE = {"body": "block", "face": "y-max", "pressure": 0.1}
 REGION = {"body": "block", "region": {"box": {"min": [1, 4.5], "max": [6, 6]}}, "pressure": 0.1}
 LATER = [{"name": "later", "end": 0.04}]
 COMES = [{"name": "later", "end": 0.04, "add": ["block"]}]
 PERIODIC = {"boundaries.x-min": "periodic", "boundaries.x-max": "periodic"}
 SINK = {"region": {"box": {"min": [0.0, 0.0], "max": [8.0, 0.5]}}}
-WALL = {"boundaries.y-min": "separating"}
+WALL = {"boundaries.y-min": "unilateral"}
 
 # Values by key paths that give a case the feature, and nothing else that some feature excludes.
 ASKED = {
@@ -56,13 +56,13 @@ ASKED = {
     f.not_separable: {"method.shape": "cpdi-corners"},
     f.initial_volume: {"method.volume": "initial"},
     f.mean: {"method.volumetric": "mean"},
-    f.one_particle: {"method.particles_per_cell": [1, 1]},
+    f.one_particle: {"method.particles-per-cell": [1, 1]},
     f.initial: INITIAL,
     f.averaged: {**INITIAL, B + "mass": "averaged"},
     f.of_points: {"method.shape": "mpm"},
     f.initial_with_memory: {**INITIAL, **of(**SOFT)},
     f.initial_not_uniform: {**INITIAL, B + "velocity": {"function": "swirl"}},
-    f.mixed: {B + "configuration": "initial"},
+    f.mixed: {B + "formulation": "total-lagrangian"},
     f.liquid: of(model="newtonian", **{"bulk": 100.0, "shear-viscosity": 0.01}, density=1.0),
     f.varying: of(**SOFT | {"young": {"table": [[0.0, 100.0], [8.0, 120.0]], "over": "y"}}),
     f.varying_density: of(**SOFT | {"density": {"table": [[0.0, 1.0], [8.0, 1.1]], "over": "y"}}),
@@ -79,10 +79,10 @@ ASKED = {
     g.periodic: PERIODIC,
     g.conditions: WALL,
     g.on_axis: {"boundaries.x-min": "fixed"},
-    g.outlet: {"escape.y-min": "remove"},
-    g.escape: {"escape.bin": SINK},
-    g.body_force: {"body_force": {"rotating-frame": {"about": [0.0, 0.0], "rate": 0.1}}},
-    g.any_body_force: {"body_force": {"function": "push"}},
+    g.outlet: {"outflow.y-min": "remove"},
+    g.outflow: {"outflow.bin": SINK},
+    g.body_force: {"body-force": {"rotating-frame": {"about": [0.0, 0.0], "rate": 0.1}}},
+    g.any_body_force: {"body-force": {"function": "push"}},
     g.tractions: {"tractions.press": FACE},
     g.region_tractions: {"tractions.press": REGION},
     g.at_ends: {
@@ -105,15 +105,15 @@ ASKED = {
     g.damping: {"damping": {"mass": 1.0}},
     g.local_damping: {"damping": {"local": 0.5}},
     g.mass_scaling: {"time.mass-scaling": 4.0},
-    g.settling: {"start.settle": {}},
+    g.settling: {"start.equilibrate": {}},
     g.weight: {"start.stress": {"k0": 0.5}, "gravity": [0.0, -0.1]},
     g.stages: {"time.stages": LATER},
     g.added: {"time.stages": COMES},
     g.constraints: {"constraints.hold": {"body": "block", "region": BOX, "velocity": [0.0, None]}},
     g.moving: {B + "velocity": [0.0, 0.1]},
-    g.met_by_initial: {B + "configuration": "initial", **WALL},
+    g.met_by_initial: {B + "formulation": "total-lagrangian", **WALL},
     g.contact_forces: {"output.grid": ["contact"]},
-    g.wall_gauges: {"boundaries.y-min": "separating", "gauges.wall": {"wall": "y-min"}},
+    g.wall_gauges: {"boundaries.y-min": "unilateral", "gauges.wall": {"wall": "y-min"}},
     g.level_gauges: {"gauges.level": {"level": [3.0]}},
     g.recovered: {"output.fields": ["recovered-stress"], **INITIAL},
     g.probes: {"probes.tip": {"body": "block", "at": [3.5, 3.5]}},
@@ -216,7 +216,7 @@ def test_every_message_has_a_reason_and_a_remedy():
 @pytest.mark.parametrize("geometry", ["axisymmetric", "plane-stress"])
 def test_what_is_of_a_plane_is_for_two_dimensions(geometry):
     one = {"format": 1, "dimensions": 1, "geometry": geometry, "grid": {"size": [8.0], "cell": [1]},
-           "method": {"shape": "gimp", "particles_per_cell": [2]}, "time": {"end": 1, "step": 0.1},
+           "method": {"shape": "gimp", "particles-per-cell": [2]}, "time": {"end": 1, "step": 0.1},
            "materials": {"soft": SOFT},
            "bodies": {"bar": {"material": "soft", "region": {"box": {"min": [1], "max": [4]}}}},
     }  # fmt: skip

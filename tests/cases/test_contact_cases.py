@@ -122,18 +122,18 @@ def test_block_slides_down_a_slope(runs):
 def test_bar_is_pressed_and_rolled(runs):
     """A radius of six cells: Hertz's force to 4 %, half of the punch's way to 3 %, no loss."""
     history = runs("upsetting").history
-    time, punch = history["time"], history["tool.punch.force-y"]
+    time, punch = history["time"], history["rigid.punch.force-y"]
     holds = (time > 0.3) & (time < 0.4)
     assert punch[holds].mean() == pytest.approx(43755.0, rel=0.04)
-    die = history["tool.die.force-y"]
+    die = history["rigid.die.force-y"]
     assert die[holds].mean() == pytest.approx(-punch[holds].mean(), rel=0.05)
-    assert history["tool.punch.displacement-y"].min() == pytest.approx(-0.09, abs=1e-12)
+    assert history["rigid.punch.displacement-y"].min() == pytest.approx(-0.09, abs=1e-12)
     at = np.searchsorted(time, 0.9)
-    assert history["tool.punch.displacement-x"][at] == pytest.approx(0.3, abs=1e-12)
+    assert history["rigid.punch.displacement-x"][at] == pytest.approx(0.3, abs=1e-12)
     assert history["body.bar.centre-x"][at] - 0.45 == pytest.approx(0.15, rel=0.03)
-    work = history["tool.punch.work"]
+    work = history["rigid.punch.work"]
     assert work == pytest.approx(history["external-work"], abs=1e-9)  # the die does none
-    assert (history["tool.die.work"] == 0.0).all()
+    assert (history["rigid.die.work"] == 0.0).all()
     assert 0.0 < work[-1] < 0.11 * work.max()  # 0.086; 0.049 in the case itself
     assert punch[-1] == 0.0  # it lets go
 
@@ -142,13 +142,13 @@ def test_bar_is_pressed_and_rolled(runs):
 def test_a_hammer_drives_a_pile(runs):
     """Cells twice as large: its velocity to 0.2 % until the wave is back, then it is thrown off."""
     history = runs("pile").history
-    time, speed = history["time"], -history["tool.hammer.velocity-x"]
+    time, speed = history["time"], -history["rigid.hammer.velocity-x"]
     before = time < 0.0113
     exact = 5.0 * np.exp(-np.sqrt(30.0e9 * 2400.0) / 15600.0 * time)
     assert np.sqrt(np.mean((speed - exact)[before] ** 2)) < 0.002 * 5.0
-    total = history["momentum-x"] + history["tool.hammer.momentum-x"]
+    total = history["momentum-x"] + history["rigid.hammer.momentum-x"]
     assert total == pytest.approx(np.full(len(time), -5.0 * 15600.0), rel=1e-9)
-    assert (history["tool.hammer.force-x"][time > 0.0125] == 0.0).all()
+    assert (history["rigid.hammer.force-x"][time > 0.0125] == 0.0).all()
     assert speed[-1] == speed[-20]
 
 
@@ -239,9 +239,9 @@ def test_books_of_the_drum(runs):
     steps = np.diff(history["time"])
 
     def gained(name):
-        return (history[f"tool.drum.{name}"][1:] * steps).sum()
+        return (history[f"rigid.drum.{name}"][1:] * steps).sum()
 
-    drum = history["tool.drum.work"][-1]
+    drum = history["rigid.drum.work"][-1]
     assert drum == pytest.approx(1.2 * gained("torque-z"), rel=1e-12) and drum > 0.0
     moved = [history[f"{name}.mass"] * history[f"{name}.centre-y"] for name in grains]
     fallen = -9.81 * np.diff(np.sum(moved, axis=0)[[0, -1]])[0]

@@ -86,7 +86,7 @@ def test_a_face_that_draws_material_out_holds_nothing_in(speed, advice):
         "format": 1,
         "dimensions": 2,
         "grid": {"size": [4.0, 2.0], "cell": [1.0, 1.0]},
-        "method": {"shape": "gimp", "particles_per_cell": [2, 2]},
+        "method": {"shape": "gimp", "particles-per-cell": [2, 2]},
         "time": {"end": 10.0, "step": 0.05},
         "materials": {
             "soft": {"model": "neo-hookean", "young": 10.0, "poisson": 0.0, "density": 1.0}

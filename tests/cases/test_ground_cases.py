@@ -29,9 +29,9 @@ def test_clay_resists_a_cone_as_published(runs):
     less. So it is within an eighth of 9.73 by Teh and Houlsby; no particle is in the cone.
     """
     history = runs("cone").history
-    way = -history["tool.cone.displacement-y"]
-    assert way[-1] > 5.1 and not history["tool.cone.inside"].any()
-    factor = history["tool.cone.force-y"][way > 4.0].mean() / np.pi
+    way = -history["rigid.cone.displacement-y"]
+    assert way[-1] > 5.1 and not history["rigid.cone.penetrating-particles"].any()
+    factor = history["rigid.cone.force-y"][way > 4.0].mean() / np.pi
     assert factor == pytest.approx((1.67 + 100.0 / 1500.0) * (1.0 + np.log(100.0)), rel=0.125)
 
 

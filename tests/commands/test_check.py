@@ -51,7 +51,7 @@ def test_loads_of_every_kind():
 format: 1
 dimensions: 1
 grid: {size: [20.0], cell: [1.0]}
-method: {shape: gimp, particles_per_cell: [2]}
+method: {shape: gimp, particles-per-cell: [2]}
 time: {end: 0.1, step: {courant: 0.3}}
 materials: {bar: {model: linear-1d, young: 1.0e6, density: 1.0}}
 bodies:
@@ -112,7 +112,7 @@ def test_packaged_cases_are_not_doubted():
         ("output: {every: 1.0e-5}", None),
         ("history: {every: 2.0}", "history.every: 2 is beyond the end at 1; there are lines only"),
         ("checkpoint: {every: 2.0}", "checkpoint.every: 2 is beyond the end at 1; there are no"),
-        ("checkpoint: {every: {wall: 9.0}}", None),
+        ("checkpoint: {every: {wall-time: 9.0}}", None),
         ("probes: {p: {place: [1, 1], every: 3}}", "probes.p.every: 3 is beyond the end at 1"),
     ],
 )
@@ -123,7 +123,7 @@ def test_output_that_never_falls_due(output, expected):
 
 def test_steps_to_rest_have_checkpoints():
     """Nobody knows how many there are; of frames there is none before time 0."""
-    every = "{every: {steps: 3000}}\nstart: {settle: {}}"
+    every = "{every: {steps: 3000}}\nstart: {equilibrate: {}}"
     assert not list(forecast.warnings(plate(f"checkpoint: {every}"), 2000.0))
     assert len(list(forecast.warnings(plate(f"output: {every}"), 2000.0))) == 1
 

@@ -48,7 +48,7 @@ def test_the_report_says_what_chosen_steps_save(speed, fewer, capsys, unmeasured
 def test_the_report_says_which_vertices_move_by_themselves(capsys, unmeasured):
     """Of a plate a quarter of a cell thick; long steps are refused."""
     region = {"box": {"min": [1.3, 2.97], "max": [6.4, 3.25]}}
-    body = {"material": "soft", "region": region, "configuration": "initial"}
+    body = {"material": "soft", "region": region, "formulation": "total-lagrangian"}
     check.report(Case.model_validate(scene(2, body, step=0.005, end=0.2)))
     assert "cell near them to move with: 15;" in capsys.readouterr().out
     with pytest.raises(CaseError, match="stable up to the Courant number"):
@@ -57,9 +57,9 @@ def test_the_report_says_which_vertices_move_by_themselves(capsys, unmeasured):
 
 def test_the_report_says_where_cut_cells_are_those_of_boxes(capsys, unmeasured):
     """In shapes wider than cells, and if others are whole beside the current configuration."""
-    body = box([1.3, 2.0], [4.0, 4.0]) | {"configuration": "initial"}
+    body = box([1.3, 2.0], [4.0, 4.0]) | {"formulation": "total-lagrangian"}
     both = {"a": body, "b": box([5.0, 2.0], [7.0, 4.0])}
-    whole = both | {"c": box([2.0, 5.0], [4.0, 7.0]) | {"configuration": "initial",
+    whole = both | {"c": box([2.0, 5.0], [4.0, 7.0]) | {"formulation": "total-lagrangian",
                                                        "surface": "whole"}}  # fmt: skip
     for case, why in (
         (scene(2, body, shape="bspline-quadratic"), "bspline-quadratic is wider than cells"),

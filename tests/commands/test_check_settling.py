@@ -41,7 +41,7 @@ def test_steps_to_rest_are_within_their_estimate(name, kind, configuration, cour
     """Compact bodies, slender ones that bend, a plate, and water that sloshes."""
     case, _, tolerance, _ = settle.SCENES[name][0](kind, configuration)
     case["time"]["step"]["courant"] = courant
-    case = Case.model_validate(case | {"start": {"settle": {"tolerance": tolerance}}})
+    case = Case.model_validate(case | {"start": {"equilibrate": {"tolerance": tolerance}}})
     low, high = settling_steps(case, facts(case))
     assert low < steps < high
     # A slender body may bend, which takes longest, or be pressed along, like the strut.
@@ -51,12 +51,12 @@ def test_steps_to_rest_are_within_their_estimate(name, kind, configuration, cour
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-7])
 def test_bodies_that_touch_rest_together(tolerance):
     """A tower of six is as slow as one body of its height; and what is asked for takes longer."""
-    bodies = {f"b{n}": box([4.0 * n], [4.0 * n + 4.0]) | {"configuration": "initial"}
+    bodies = {f"b{n}": box([4.0 * n], [4.0 * n + 4.0]) | {"formulation": "total-lagrangian"}
               for n in range(6)}  # fmt: skip
     case = Case.model_validate(
         scene(1, bodies, cells=[28], step={"courant": 0.3}, gravity=[-1e-4],
               materials={"soft": BAR}, boundaries={"x-min": "fixed"},
-              contact=[{"bodies": "all"}], start={"settle": {"tolerance": tolerance}})
+              contact=[{"bodies": "all"}], start={"equilibrate": {"tolerance": tolerance}})
     )  # fmt: skip
     sim = Simulation(case, Serial())
     while sim.settling:
@@ -69,7 +69,8 @@ def test_no_more_than_are_allowed_and_none_without():
     case = read_case(PLATE + "gravity: [0.0, -1.0]\nboundaries: {x-min: fixed}\n", "x")
     assert settling_steps(case, facts(case)) == (0.0, 0.0)
     case = read_case(
-        PLATE + "gravity: [0.0, -1.0]\nboundaries: {x-min: fixed}\nstart: {settle: {steps: 9}}\n",
+        PLATE
+        + "gravity: [0.0, -1.0]\nboundaries: {x-min: fixed}\nstart: {equilibrate: {steps: 9}}\n",
         "x",
     )
     assert settling_steps(case, facts(case)) == (9.0, 9.0)
@@ -77,8 +78,8 @@ def test_no_more_than_are_allowed_and_none_without():
 
 def test_frames_while_a_stage_settles_are_counted(tmp_path):
     """As many as a run writes; of the steps before time 0 there are none."""
-    body = box([0.0], [16.0]) | {"configuration": "initial"}
-    rest = {"settle": {"tolerance": 1e-3}}
+    body = box([0.0], [16.0]) | {"formulation": "total-lagrangian"}
+    rest = {"equilibrate": {"tolerance": 1e-3}}
     case = scene(1, body, cells=[20], step=0.05, gravity=[-1e-2], boundaries={"x-min": "fixed"},
                  end=0.2, start=rest, output={"every": {"steps": 3}})  # fmt: skip
     case["materials"]["soft"]["young"] = 1e2
@@ -95,7 +96,9 @@ def test_frames_while_a_stage_settles_are_counted(tmp_path):
 
 def test_output_by_steps_is_not_doubted_where_a_stage_settles():
     every = "every: {steps: 3000}"
-    text = PLATE.replace("{courant: 0.3}}", "{courant: 0.3}, stages: [{name: on, settle: {}}]}")
+    text = PLATE.replace(
+        "{courant: 0.3}}", "{courant: 0.3}, stages: [{name: on, equilibrate: {}}]}"
+    )
     assert "stages" in text
     for key in ("output", "history"):
         assert not list(forecast.warnings(read_case(text + f"{key}: {{{every}}}", "x"), 2000.0))
@@ -106,8 +109,8 @@ def test_check_says_the_estimate_and_what_it_does_not_count(capsys, monkeypatch)
 
     monkeypatch.setattr(check, "measure", lambda *scene: None)
     text = PLATE.replace(
-        "{courant: 0.3}}", "{courant: 0.3}, stages: [{name: on, settle: {steps: 600}}]}"
-    ) + "gravity: [0.0, -1.0]\nboundaries: {x-min: fixed}\nstart: {settle: {}}\n" \
+        "{courant: 0.3}}", "{courant: 0.3}, stages: [{name: on, equilibrate: {steps: 600}}]}"
+    ) + "gravity: [0.0, -1.0]\nboundaries: {x-min: fixed}\nstart: {equilibrate: {}}\n" \
         "output: {every: {steps: 20}}\n"  # fmt: skip
     check.report(read_case(text, "x"))
     lines = capsys.readouterr().out.splitlines()

@@ -41,7 +41,7 @@ def test_each_material_is_doubted_by_its_own_numbers(material, change, expected)
     region = {"box": {"min": [0.0, 0.0], "max": [0.1, 0.1]}}
     case = load({
         "format": 1, "units": "SI", "dimensions": 2, "grid": {"size": [0.2, 0.2],
-        "cell": [0.01, 0.01]}, "method": {"shape": "gimp", "particles_per_cell": [2, 2]},
+        "cell": [0.01, 0.01]}, "method": {"shape": "gimp", "particles-per-cell": [2, 2]},
         "time": {"end": 1.0e-3, "step": {"courant": 0.3}}, "materials": {"it": material | change},
         "bodies": {"a": {"material": "it", "region": region}},
     })  # fmt: skip
@@ -80,7 +80,7 @@ def test_what_is_too_fast_is_named(change, where, words):
 def test_steps_with_mean_dilatation_are_warned_of_where_they_are_unstable(poisson, per_cell, limit):
     """No more than docs/hard-cases.md has, measured with one and two particles a cell."""
     case = scene(3, {"a": box([2] * 3, [4] * 3)}, end=0.1)
-    case["method"] |= {"volumetric": "mean", "particles_per_cell": [per_cell] * 3}
+    case["method"] |= {"volumetric": "b-bar", "particles-per-cell": [per_cell] * 3}
     case["materials"]["soft"] = {
         "model": "neo-hookean", "young": 1.0, "density": 1.0, "poisson": poisson,
     }  # fmt: skip
@@ -113,10 +113,10 @@ def report(capsys, monkeypatch):
     return lines
 
 
-SETTLING = "gravity: [0.0, -1.0]\nboundaries: {x-min: fixed}\nstart: {settle: {steps: 700}}\n"
+SETTLING = "gravity: [0.0, -1.0]\nboundaries: {x-min: fixed}\nstart: {equilibrate: {steps: 700}}\n"
 
 
-@pytest.mark.parametrize("later", ["", ", stages: [{name: weak, settle: {}}]"])
+@pytest.mark.parametrize("later", ["", ", stages: [{name: weak, equilibrate: {}}]"])
 def test_a_short_time_is_not_doubted_where_a_run_settles(report, later):
     text = PLATE.replace(
         "end: 1.0, step: {courant: 0.3}", f"end: 0.01, step: {{courant: 0.3}}{later}"
@@ -163,7 +163,7 @@ def test_what_makes_the_step_short_is_said_and_advice_knows_it(report):
         ({"bodies.rod.material": "soft"}, "do not reflect: 'rod' is no liquid (wall: auto)"),
         ({"method.wall": "ghost"}, None), ({"method.wall": "mirror"}, None),
         (
-            {"method.wall": "mirror", "boundaries.y-min": {"separating": {"friction": 0.2}}},
+            {"method.wall": "mirror", "boundaries.y-min": {"unilateral": {"friction": 0.2}}},
             "no mirrors where there is friction: y-min",
         ),
         ({"boundaries": {}}, None),
@@ -176,7 +176,7 @@ def test_walls_of_liquids_are_told(change, expected, capsys):
         "pool": box([0, 0], [4, 2], material="water"), "rod": box([5, 0], [6, 2], material="water"),
     }  # fmt: skip
     case = scene(2, bodies, boundaries={
-        "x-min": "slip", "x-max": {"velocity": [0.0, None]}, "y-min": "separating",
+        "x-min": "slip", "x-max": {"velocity": [0.0, None]}, "y-min": "unilateral",
         "y-max": "absorbing",
     })  # fmt: skip
     case["materials"]["water"] = {"model": "newtonian", "bulk": 100.0, "density": 1.0}

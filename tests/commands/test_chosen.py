@@ -18,7 +18,7 @@ materials:
 bodies:
   block: {material: soft, region: {box: {min: [1.0, 1.2], max: [5.0, 4.0]}}}
 gravity: [0.0, -1.0]
-boundaries: {y-min: separating}
+boundaries: {y-min: unilateral}
 output: {every: 0.5, fields: [stress]}
 checkpoint: {every: 0.5}
 """
@@ -69,7 +69,7 @@ def test_check_writes_the_choices_into_the_case(folder, capsys):
     assert main(["check", str(path), "--write"]) == 0
     text = path.read_text()
     assert "# not long" in text and "step: {courant: 0.3}" in text
-    assert "block: {configuration: initial, " in text
+    assert "block: {formulation: total-lagrangian, " in text
     assert pgimp.load(path).model_dump() == pgimp.load(folder / "case.yaml").model_dump()
     capsys.readouterr()
     assert main(["check", str(path), "--write"]) == 0

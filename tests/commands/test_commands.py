@@ -13,7 +13,7 @@ format: 1
 title: Column
 dimensions: 1
 grid: {origin: [0.0], size: [54.0], cell: [1.0]}
-method: {shape: gimp, particles_per_cell: [2]}
+method: {shape: gimp, particles-per-cell: [2]}
 time: {end: 2.0, step: 1.0e-4}
 materials: {bar: {model: linear-1d, young: 1.0e6, density: 1.0}}
 bodies: {bar: {material: bar, region: {box: {min: [0.0], max: [50.0]}}, velocity: [-10.0]}}

@@ -58,7 +58,7 @@ def test_a_step_on_any_slabs(name, D, spread):
 
 
 @pytest.mark.parametrize("D", [1, 2, 3])
-@pytest.mark.parametrize("kind", ["slip", "separating", "fixed"])
+@pytest.mark.parametrize("kind", ["slip", "unilateral", "fixed"])
 def test_mirrors_on_any_slabs(kind, D):
     """Reflection at all faces: no rank but the first and the last has to do with those along x."""
     rng = np.random.default_rng(SEED)
@@ -72,7 +72,7 @@ def test_mirrors_on_any_slabs(kind, D):
     where = [(axis, side) for axis in range(D) for side in (-1, 1)]
     faces = tuple(condition.parameters(axis, side, 0.0, DT) for axis, side in where)
     mirrors = [
-        Images(axis, side, n, kind == "separating", kind == "fixed")
+        Images(axis, side, n, kind == "unilateral", kind == "fixed")
         for n, (axis, side) in enumerate(where)
     ]
     cuts = all_cuts(frame.vertices[0], 3, 2 * shape.vertices)

@@ -74,7 +74,7 @@ def test_the_reference_has_what_is_added(source):
     page = python(source, "-m", "pgimp", "schema", "--markdown")
     for text in ("`fluid`", "`quadratic-spline`", "`centre-AXIS`", "`jacobian`"):
         assert text in page
-    assert "| `body_force.drag.rate` | of decay of a uniform velocity | 1/time |" in page
+    assert "| `body-force.drag.rate` | of decay of a uniform velocity | 1/time |" in page
 
 
 def test_material(source):
@@ -93,7 +93,7 @@ import pgimp
 for each in (1, 2):
     found = []
     for shape in ("quadratic-spline", "gimp"):
-        method = {"shape": shape, "particles_per_cell": [each, each]}
+        method = {"shape": shape, "particles-per-cell": [each, each]}
         sim = pgimp.Simulation("case.yaml", overrides={"method": method})
         sim.advance()
         line = sim.diagnostics()
@@ -138,7 +138,7 @@ def test_boundary_condition_and_field(source):
     """Blocks that fall are slowed down by the rough floor alone; the field is det F by NumPy."""
     found = [
         float(python(source, "-c", SLIDING.replace("FLOOR", repr(floor))))
-        for floor in ("separating", "rough")
+        for floor in ("unilateral", "rough")
     ]
     assert found[0] == pytest.approx(1.0, abs=1e-12)
     assert found[1] < 0.9
@@ -177,7 +177,7 @@ import numpy as np
 import pgimp
 
 changes = {f"bodies.{name}.velocity": [0.8, 0.3] for name in ("left", "right")}
-changes |= {"body_force": {"drag": {"rate": 2.0}}, "time.end": 1.0}
+changes |= {"body-force": {"drag": {"rate": 2.0}}, "time.end": 1.0}
 sim = pgimp.Simulation("case.yaml", overrides=changes)
 first = sim.diagnostics()
 sim.advance()

@@ -21,7 +21,7 @@ def scene(dimensions, materials=("rubber",), bodies=("block",)):
         "format": 1,
         "dimensions": dimensions,
         "grid": {"size": [30.0, *high], "cell": [0.1] * dimensions},
-        "method": {"shape": "gimp", "particles_per_cell": [2] * dimensions},
+        "method": {"shape": "gimp", "particles-per-cell": [2] * dimensions},
         "time": {"end": 1.0, "step": {"courant": 0.3}},
         "materials": {
             name: {"model": "hooke", "young": 1.0e6, "poisson": 0.3, "density": 1000.0}
@@ -51,14 +51,14 @@ def initial():
     """A case in 3D with all bodies in the initial configuration."""
     case = scene(3)
     for body in case["bodies"].values():
-        body["configuration"] = "initial"
+        body["formulation"] = "total-lagrangian"
     return case
 
 
 def anvil():
     """A case in 2D of a rigid ball over a rigid anvil, beside a block exact to its surface."""
     case = scene(2, bodies=("block",))
-    case["bodies"]["block"]["configuration"] = "initial"
+    case["bodies"]["block"]["formulation"] = "total-lagrangian"
     ball = {"ball": {"centre": [6.0, 4.0], "radius": 1.0}}
     case["bodies"]["ball"] = {"rigid": {"density": 1.0}, "region": ball}
     plate = {"box": {"min": [4.0, 1.0], "max": [8.0, 2.0]}}
@@ -70,7 +70,7 @@ def plate():
     """A case in 2D of a large plate in the initial configuration."""
     case = scene(2, bodies=("plate",)) | {"grid": {"size": [10.0, 10.0], "cell": [0.5, 0.5]}}
     plate = {
-        "configuration": "initial",
+        "formulation": "total-lagrangian",
         "region": {"box": {"min": [0.0, 0.0], "max": [10.0, 10.0]}},
     }
     case["bodies"]["plate"] |= plate
@@ -119,7 +119,7 @@ FRAGMENTS = (
     ("output:\n  fields: [unwrapped", lambda: file_of("plane-waves"), ()),
     ("output:\n  every: 0.1\n  surface:", lambda: file_of("brake-pad"), ()),
     ("gravity: [{sine", lambda: scene(2), ()),
-    ("boundaries: {y-min: {separating: {friction: 0.3, rest", anvil, ()),
+    ("boundaries: {y-min: {unilateral: {friction: 0.3, rest", anvil, ()),
     ("boundaries:\n  y-min:\n    velocity:", lambda: scene(2), ()),
     ("bodies:                               # of a dam", ground, ()),
     ("constraints:\n  press:", lambda: scene(2), ()),
@@ -127,10 +127,10 @@ FRAGMENTS = (
     ("tractions:\n  bore:", lambda: scene(2), ()),
     ("tractions:\n  wheel:", lambda: scene(2), ()),
     ("inflow:\n  jet:", lambda: scene(2, ("water",)), ()),
-    ("escape:\n  x-max:", lambda: scene(2), ()),
+    ("outflow:\n  x-max:", lambda: scene(2), ()),
     ("bodies:                               # by functions", windy, ()),
-    ("method: {shape: gimp, particles_per_cell: [2, 2, 2], mass:", initial, ()),
-    ("method: {shape: gimp, particles_per_cell: [2, 2], stress:", lambda: scene(2), ()),
+    ("method: {shape: gimp, particles-per-cell: [2, 2, 2], mass:", initial, ()),
+    ("method: {shape: gimp, particles-per-cell: [2, 2], stress:", lambda: scene(2), ()),
 )
 #: Whole cases and studies are read elsewhere (test_readme.py), and this is a remark.
 OTHERS = (

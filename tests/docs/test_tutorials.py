@@ -59,10 +59,10 @@ def test_footing(tmp_path):
     followed("footing", tmp_path)
     books = pgimp.open(tmp_path / "footing.out").history
     (sunk,) = stated("footing", "until the strip has sunk by # mm")
-    assert -1e3 * books["tool.strip.displacement-y"][-1] == pytest.approx(sunk, abs=0.5)
+    assert -1e3 * books["rigid.strip.displacement-y"][-1] == pytest.approx(sunk, abs=0.5)
     # "The force stays": within a tenth, as the last figure of the page scatters.
     (flat,) = stated("footing", "From # mm on the force stays")
-    way, force = -1e3 * books["tool.strip.displacement-y"], books["tool.strip.force-y"]
+    way, force = -1e3 * books["rigid.strip.displacement-y"], books["rigid.strip.force-y"]
     later = np.convolve(force, np.ones(5) / 5.0, "same")[(way > flat) & (way < 24.0)]
     assert later.max() - later.min() < 0.1 * later.mean()
 
@@ -88,7 +88,7 @@ def test_impact(tmp_path):
 def test_dam_break(tmp_path):
     followed("dam-break", tmp_path)
     run = pgimp.open(tmp_path / "dam.out")
-    up, time = run.history["tool.float.displacement-y"], run.history["time"]
+    up, time = run.history["rigid.float.displacement-y"], run.history["time"]
     # "The wave reaches the float within half a second, and lifts it": by a tenth of its draught.
     assert 0.3 < time[(up > 0.012).argmax()] < 0.5
     # What the page says of the least steps: sound of water is 70 times as fast as here.

@@ -24,7 +24,7 @@ def heap(D, law="friction", **parts):
         bodies[f"g{n}"] = box(low.tolist(), (low + 2.2).tolist(), speed)
     return scene(
         D, bodies, cells=[13, 12, 7][:D], end=0.5, contact=[{"bodies": "all", "law": law}],
-        boundaries={"y-min": "separating", "x-min": "slip"}, **parts,
+        boundaries={"y-min": "unilateral", "x-min": "slip"}, **parts,
     )  # fmt: skip
 
 

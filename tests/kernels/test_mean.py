@@ -1,4 +1,4 @@
-"""Mean dilatation by box overlap (``method.volumetric: mean``), cell by cell in plain NumPy."""
+"""Mean dilatation by box overlap (``method.volumetric: b-bar``), cell by cell in plain NumPy."""
 
 import numpy as np
 import pytest

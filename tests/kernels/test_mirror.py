@@ -9,14 +9,14 @@ from pgimp.kernels.data.images import Images
 #: One of each kind of kernel that reaches past a wall, and one that it shares with another shape.
 WIDE = ("gimp", "finite-gimp", "fuzzy-nearest", "fuzzy-constant-fixed", "bspline-quadratic")
 
-KINDS = ("fixed", "slip", "separating")
+KINDS = ("fixed", "slip", "unilateral")
 
 
 def walls(D, kinds):
     """Faces from x-min on with conditions, `kinds` in turn, and the mirrors in both languages."""
     chosen = [faces_of(kinds[n % len(kinds)], D)[n] for n in range(2 * D)]
     mirrors = [
-        (face[1], face[2], face[0] == "separating", face[0] == "fixed", n)
+        (face[1], face[2], face[0] == "unilateral", face[0] == "fixed", n)
         for n, (_, face) in enumerate(chosen)
     ]
     mirrors.sort(key=lambda mirror: mirror[2])  # those that let go last
@@ -28,7 +28,7 @@ def walls(D, kinds):
 
 @pytest.mark.parametrize("D", [1, 2, 3])
 @pytest.mark.parametrize("name", WIDE)
-@pytest.mark.parametrize("kinds", [("separating",), KINDS], ids=["letting go", "mixed"])
+@pytest.mark.parametrize("kinds", [("unilateral",), KINDS], ids=["letting go", "mixed"])
 def test_a_step_between_mirrors(name, D, kinds):
     """All faces at once, corners included: vertices and particles as in plain NumPy."""
     rank, reference, p = setting(name, D)
@@ -50,7 +50,7 @@ def test_a_step_between_mirrors(name, D, kinds):
 
 
 @pytest.mark.parametrize("D", [1, 2, 3])
-@pytest.mark.parametrize("kinds", [("separating",), KINDS], ids=["letting go", "mixed"])
+@pytest.mark.parametrize("kinds", [("unilateral",), KINDS], ids=["letting go", "mixed"])
 def test_particles_get_what_mirrors_say_they_give(kinds, D):
     """(28); walls that stand still do no work, and gravity's is the weight times the way."""
     rank, _, before = setting("fuzzy-constant-fixed", D)

@@ -106,7 +106,7 @@ def test_every_condition_on_every_face(name, D, kind):
         assert records_agree(rank, reference.m, reference.v, reference.a)
         assert close(rank.impulse.sum(axis=0)[:, :D], reference.impulse)
         assert close(rank.work.sum(), reference.work)
-    assert any(changed) if kind == "separating" else all(changed)
+    assert any(changed) if kind == "unilateral" else all(changed)
 
 
 @pytest.mark.parametrize(
@@ -115,7 +115,7 @@ def test_every_condition_on_every_face(name, D, kind):
 def test_conditions_meet_at_edges_and_corners(name):
     """All kinds at once; where two faces meet each acts on what the one before left."""
     rank, reference, p = setting(name, 3)
-    kinds = ("slip", "separating", "velocity", "fixed", "separating", "slip")
+    kinds = ("slip", "unilateral", "velocity", "fixed", "unilateral", "slip")
     chosen = [faces_of(kind, 3)[i] for i, kind in enumerate(kinds)]
     conditions = tuple(kernel for kernel, _ in chosen)
     rank.particles_to_grid(conditions)

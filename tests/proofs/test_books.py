@@ -10,7 +10,7 @@ pytestmark = pytest.mark.slow(30)
 
 MOVING = wall(0.2, [[0.0, 0.0], [0.1, 0.3], [0.2, 0.3]])
 #: One of each kind, in one order, for which the momentum update is compiled once.
-WALLS = {"x-min": MOVING, "x-max": "slip", "y-min": "separating", "y-max": "fixed"}
+WALLS = {"x-min": MOVING, "x-max": "slip", "y-min": "unilateral", "y-max": "fixed"}
 
 #: What decides which kernels are compiled; all else is drawn at random. Where there is a `grip` a
 #: part is held: always or never, which compiles less.

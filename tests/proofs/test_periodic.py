@@ -141,7 +141,7 @@ def test_waves_are_back_after_a_period(words, configuration):
     for n in (16, 32):
         dimension, model, along, swing = words
         case = wave(dimension, n, model, along, swing)
-        case["bodies"]["body"]["configuration"] = configuration
+        case["bodies"]["body"]["formulation"] = configuration
         line = finish(start(case)).diagnostics()
         errors.append(line["error.displacement-l2"] / case["exact"]["plane-wave"]["amplitude"])
     assert errors[1] < 4e-3
@@ -198,4 +198,4 @@ def test_velocities_between_moving_walls():
     sim = finish(start(case))
     np.testing.assert_allclose(
         field(sim, "v")[:, 0], 2.0 * field(sim, "x")[:, 1], rtol=0, atol=0.01
-    )  # without relaxation: 0.12
+    )  # without pic-damping: 0.12

@@ -251,7 +251,7 @@ def test_a_failing_scene_is_made_smaller():
     for case in found:
         assert fails(case) and case["dimensions"] <= 2 and len(case["bodies"]) == 1
         optional = ("gravity", "contact", "probes", "tractions", "constraints", "boundaries")
-        assert not any(case.get(key) for key in (*optional, "escape"))
+        assert not any(case.get(key) for key in (*optional, "outflow"))
         assert case["time"]["end"] == case["time"]["step"]
 
 

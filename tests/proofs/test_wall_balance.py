@@ -13,7 +13,7 @@ CELLS = {"cells": [16, 12], "cell": 0.5}
 FLOORS = {
     "fixed": "fixed",
     "slip": "slip",
-    "separating": "separating",
+    "unilateral": "unilateral",
     "belt": wall(0.4, 0.0),
     "shaker": wall([[0.0, 0.0], [0.25, 0.3], [0.5, 0.0], [0.75, -0.3]], 0.0),
     "lift": wall(None, 0.05),
@@ -26,7 +26,7 @@ def taken(line):
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("floor", ["fixed", "slip", "separating"])
+@pytest.mark.parametrize("floor", ["fixed", "slip", "unilateral"])
 def test_a_block_at_rest_presses_with_its_weight(shape, floor):
     ramp = {"table": [[0.0, [0.0, 0.0]], [6.0, [0.0, -1.0]]]}  # 15 wave transits
     sides = {"x-min": "slip", "y-min": floor}
@@ -96,7 +96,7 @@ def test_momentum_comes_from_gravity_and_walls_alone(floor, shape):
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("floor", ["fixed", "slip", "separating", "belt", "lift"])
+@pytest.mark.parametrize("floor", ["fixed", "slip", "unilateral", "belt", "lift"])
 def test_the_work_of_a_wall_is_what_the_body_gains_in_a_step(floor, shape):
     """To first order in dt: nothing but the step's length makes energy, or loses it."""
 
@@ -126,7 +126,7 @@ def test_the_work_of_a_wall_is_what_the_body_gains_in_a_step(floor, shape):
         assert abs(work) > 0.05 * step
         # Measured at most 4.6 step, and 38 step where vertices come near a wall that lets go, of
         # which what they bring is stopped; alike at each of the three: first order.
-        most = 60.0 if floor == "separating" else 10.0
+        most = 60.0 if floor == "unilateral" else 10.0
         left = energy(last) - energy(first) + taken(last)
         assert abs(left - work) < most * step * abs(work)
 

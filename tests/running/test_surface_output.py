@@ -82,7 +82,7 @@ def test_wrong_plots_say_what_is_wrong(run, tmp_path, capsys, words, says):
 
 
 def test_beside_the_current_configuration_a_message_says_why(tmp_path, capsys):
-    bodies = {"solid": box([1.0] * 2, [3.0] * 2) | {"configuration": "initial"},
+    bodies = {"solid": box([1.0] * 2, [3.0] * 2) | {"formulation": "total-lagrangian"},
               "sand": box([4.0, 1.0], [6.0, 3.0])}  # fmt: skip
     case = scene(2, bodies, output={"surface": ["gap"]}, contact=[{"bodies": "all"}])
     write_case(tmp_path / "case.yaml", case)
@@ -95,7 +95,7 @@ def test_beside_the_current_configuration_a_message_says_why(tmp_path, capsys):
     ("more", "says"),
     [
         ({}, "takes bodies that meet by their surfaces"),
-        ({"configuration": "initial", "surface": "exact"}, "no bodies meet"),
+        ({"formulation": "total-lagrangian", "surface": "exact"}, "no bodies meet"),
     ],
 )
 def test_scenes_without_surfaces_that_meet_are_refused(tmp_path, capsys, more, says):

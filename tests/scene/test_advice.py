@@ -11,7 +11,7 @@ BLOCK = """
 format: 1
 dimensions: 2
 grid: {{size: [12.0, 12.0], cell: [1.0, 1.0]}}
-method: {{shape: {shape}, affine: {affine}, volumetric: {volumetric}, particles_per_cell: [2, 2]}}
+method: {{shape: {shape}, affine: {affine}, volumetric: {volumetric}, particles-per-cell: [2, 2]}}
 time: {{end: {end}, step: {{courant: 0.1}}}}
 materials: {{jelly: {{model: {model}, density: 1.0{law}}}}}
 bodies:
@@ -52,9 +52,9 @@ def test_walls_of_liquids():
     assert told(law=water, more=walls) == told(ghost, law=water) == []
     assert told(ghost, law=water, more="boundaries: {x-min: {velocity: [0.0, 0.0]}}") == []
     assert told(ghost, law=SOIL, more=walls) == []
-    floor = "gravity: [0.0, -1.0]\nboundaries: {y-min: separating}"
+    floor = "gravity: [0.0, -1.0]\nboundaries: {y-min: unilateral}"
     (line,) = told(law=water, more=floor)
-    mentions(line, "boundaries.y-min: separating", "slip")
+    mentions(line, "boundaries.y-min: unilateral", "slip")
     assert told(law=SOIL, more=floor) == []
 
 
@@ -90,7 +90,7 @@ def test_boxes_that_keep_their_size(shape):
 
     That is where something may leave the domain.
     """
-    heavy = "gravity: [0.0, -0.08]\nboundaries: {y-min: separating}\nescape: {x-max: remove}"
+    heavy = "gravity: [0.0, -0.08]\nboundaries: {y-min: unilateral}\noutflow: {x-max: remove}"
     (line,) = told(shape, volumetric="mean", more=heavy)
     mentions(line, "method.shape", f"boxes of {shape}", "finite-gimp")
     assert told("finite-gimp", volumetric="mean", more=heavy) == []
@@ -102,10 +102,10 @@ def test_the_initial_configuration():
     """Told for what moves, is held or meets something; not for what would stick to it."""
     fast = "[0.0, -0.05]"
     (line,) = told(velocity=fast, end=20.0)
-    mentions(line, "configuration: initial", "'block'", "it moves")
+    mentions(line, "formulation: total-lagrangian", "'block'", "it moves")
     assert told(configuration="initial", velocity=fast, end=20.0) == []
-    assert told(velocity=fast, end=20.0, more="boundaries: {x-min: separating}") == [line]
-    (hit,) = told(velocity=fast, end=60.0, more="boundaries: {y-min: separating}")
+    assert told(velocity=fast, end=20.0, more="boundaries: {x-min: unilateral}") == [line]
+    (hit,) = told(velocity=fast, end=60.0, more="boundaries: {y-min: unilateral}")
     assert hit == line + "; a step takes longer while they are in touch"
     assert told(velocity=fast, end=100.0, more="boundaries: {y-min: fixed}") == []
 
@@ -113,9 +113,9 @@ def test_the_initial_configuration():
 @pytest.mark.parametrize("shape", ["fuzzy-constant", "bspline-cubic"])
 def test_wide_shapes(shape):
     """Told for elastic bodies that move, unless volume is locked."""
-    falls = {"velocity": "[0.0, -0.05]", "more": "boundaries: {y-min: separating}"}
+    falls = {"velocity": "[0.0, -0.05]", "more": "boundaries: {y-min: unilateral}"}
     configuration, line = told(shape, **falls)
-    mentions(configuration, "configuration: initial", "in touch")
+    mentions(configuration, "formulation: total-lagrangian", "in touch")
     mentions(line, f"method.shape: {shape}", "'block'", "gimp")
     stiff = (ELASTIC[0], ", young: 1.0, poisson: 0.49")
     assert told(shape, law=stiff, **falls) == [configuration]

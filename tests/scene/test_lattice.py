@@ -24,7 +24,7 @@ def case(D, surface="cut", **changes):
         "format": 1,
         "dimensions": D,
         "grid": {"size": [float(n) for n in cells], "cell": [1.0] * D},
-        "method": {"shape": "gimp", "particles_per_cell": [2, 3, 1][:D]},
+        "method": {"shape": "gimp", "particles-per-cell": [2, 3, 1][:D]},
         "time": {"end": 1.0, "step": {"courant": 0.3}},
         "materials": {"a": {"model": "hooke", "young": 1.0, "poisson": 0.3, "density": 1.0}},
         "bodies": {

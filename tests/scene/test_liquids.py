@@ -20,7 +20,7 @@ def made(*materials, friction=0.0, **method):
         name: box([2.0 * n, 0.0], [2.0 * n + 2.0, 2.0], material=name)
         for n, name in enumerate(names)
     }
-    floor = {"separating": {"friction": friction}} if friction else "slip"
+    floor = {"unilateral": {"friction": friction}} if friction else "slip"
     case = scene(2, bodies, cells=[12, 12], cell=0.5, boundaries={"y-min": floor})
     case["materials"] = dict(zip(names, materials, strict=True))
     case["method"] |= method
@@ -50,7 +50,7 @@ def test_beside_a_solid():
 
 
 FACES = {
-    "x-min": "periodic", "x-max": "periodic", "y-min": "fixed", "y-max": "separating",
+    "x-min": "periodic", "x-max": "periodic", "y-min": "fixed", "y-max": "unilateral",
     "z-min": "absorbing", "z-max": {"velocity": [0.0, 0.0, 0.0]},
 }  # fmt: skip
 

@@ -22,7 +22,7 @@ def line(bodies, method=None, **more):
             "format": 1,
             "dimensions": 1,
             "grid": {"size": [40.0], "cell": [1.0]},
-            "method": {"shape": "gimp", "particles_per_cell": [2]} | (method or {}),
+            "method": {"shape": "gimp", "particles-per-cell": [2]} | (method or {}),
             "time": {"end": 100.0, "step": {"courant": 0.3}},
             "materials": {"m": {"model": "linear-1d", "young": 1.0, "density": 1.0}},
             "bodies": {
@@ -47,7 +47,7 @@ def bonded(case):
 @pytest.mark.parametrize(("shape", "n"), [("gimp", 2), wide("mpm", 2), wide("fuzzy-constant", 2)])
 def test_bodies_feel_each_other_from_the_reach_on(shape, n):
     """The greatest gap at which momentum passes, over places of the gap between vertices."""
-    method, gaps = {"shape": shape, "particles_per_cell": [n]}, []
+    method, gaps = {"shape": shape, "particles-per-cell": [n]}, []
     for velocity in np.linspace(0.003, 0.05, 7):
         bodies = {"a": (5.0, 9.0, float(velocity)), "b": (15.0, 19.0, -0.05)}
         sim = Simulation(line(bodies, method), Serial())
@@ -98,7 +98,7 @@ def test_who_may_meet():
     fall = {"gravity": [-0.1]}
     both = {"a": at_rest, "b": (20.0, 24.0, 0.0)}
     assert not said(line(both, **fall))
-    assert "may meet" in said(line(both, **fall, boundaries={"x-min": "separating"}))
+    assert "may meet" in said(line(both, **fall, boundaries={"x-min": "unilateral"}))
     grip = {"body": "a", "region": {"box": {"min": [5.0], "max": [6.0]}}, "velocity": [0.0]}
     assert "may meet" in said(line(both, **fall, constraints={"c": grip}))
     push = grip | {"velocity": [{"table": [[0.0, 0.0], [10.0, 1.0]]}]}
@@ -123,7 +123,7 @@ def test_walls():
         # A wall that lets go is felt when it is reached, but by points, and never holds back.
         for shape, number in (("gimp", 0), ("mpm", count)):
             case = line(
-                parts[0], boundaries={"x-min": "separating"}, method={"shape": shape}, **parts[1]
+                parts[0], boundaries={"x-min": "unilateral"}, method={"shape": shape}, **parts[1]
             )
             assert not nearness.warnings(case)
             assert len(nearness.notes(case)) == number
@@ -140,7 +140,7 @@ def water(bodies, **law):
         {
             "format": 1, "dimensions": 2,
             "grid": {"size": [30.0, 6.0], "cell": [1.0, 1.0]},
-            "method": {"shape": "gimp", "particles_per_cell": [2, 2]},
+            "method": {"shape": "gimp", "particles-per-cell": [2, 2]},
             "time": {"end": 30.0, "step": {"courant": 0.3}},
             "materials": {"water": {"model": "newtonian", "bulk": 100.0, "density": 1.0} | law},
             "bodies": names,
@@ -172,7 +172,7 @@ def plane(velocity, low=(1.0, 1.0), high=(3.0, 3.0)):
             "format": 1,
             "dimensions": 2,
             "grid": {"size": [16.0, 16.0], "cell": [0.25, 0.25]},
-            "method": {"shape": "mpm", "particles_per_cell": [2, 2]},
+            "method": {"shape": "mpm", "particles-per-cell": [2, 2]},
             "time": {"end": 10.0, "step": {"courant": 0.3}},
             "materials": {"m": {"model": "hooke", "young": 1, "poisson": 0, "density": 1}},
             "bodies": {

@@ -130,7 +130,7 @@ def test_vertices_bear_steps_up_to_their_limit(part):
     """In the initial configuration, of a block of four cells off the grid's lines, of boxes."""
     offset = [0.37, 0.81]
     low, high = ([4.0 + shift + more for shift in offset] for more in (0.0, 4.0))
-    body = box(low, high) | {"configuration": "initial", "surface": "boxes"}
+    body = box(low, high) | {"formulation": "total-lagrangian", "surface": "boxes"}
     wave = np.sqrt(100.0 * 0.7 / (1.3 * 0.4))
     step = part * vertices.box_limit({"shape": "gimp"}, offset, 2) / wave
     sim = core(scene(2, body, cells=[12, 12], step=step, end=2000 * step))
@@ -172,7 +172,7 @@ def test_chosen_steps_follow_the_table():
     assert table.limits_of(text) == LIMITS
 
     def limit(dimensions, per_cell, shape="gimp", **parts):
-        entry = {"shape": shape, "particles_per_cell": [per_cell] * dimensions, **parts}
+        entry = {"shape": shape, "particles-per-cell": [per_cell] * dimensions, **parts}
         return SHAPES[shape].model_validate(entry).largest_courant(dimensions)
 
     assert limit(1, 3) == LIMITS["gimp"][1][4]

@@ -70,7 +70,7 @@ def column(pick):
 
     def find(method, weight):
         step = 2e-5 if method.startswith("mpm") else 1e-4
-        same = {"cell": 1.0, "particles_per_cell": 2.0, "step": step}
+        same = {"cell": 1.0, "particles-per-cell": 2.0, "step": step}
         return pick(method, "column", WEIGHTS[weight], **same)
 
     return find
@@ -92,7 +92,7 @@ def error(pick):
 
     def find(method, per_cell, cell):
         step = 5e-5 if method == "mpm" else 1.25e-4
-        same = {"particles_per_cell": per_cell, "cell": cell, "speed": 1.0, "step": step}
+        same = {"particles-per-cell": per_cell, "cell": cell, "speed": 1.0, "step": step}
         return pick(method, "column", 0.5, **same)["error"]
 
     return find
@@ -216,7 +216,7 @@ def test_the_ramps_waves_set_a_floor_that_moves_with_its_speed(pick):
     0.0299, 0.0080 for a ramp five times faster, the paper's, and one four times slower. Against the
     solution with the waves there is no floor.
     """
-    same = {"particles_per_cell": 1.0}
+    same = {"particles-per-cell": 1.0}
     floors = {}
     for speed in (5.0, 1.0, 0.25):
         time = 0.5 / speed

@@ -147,9 +147,9 @@ def test_a_free_rigid_body_falls_along_the_axis(region, mass, middle, error):
     while not sim.finished:
         sim.advance()
     line = sim.diagnostics()
-    assert line["tool.disk.velocity-y"] == pytest.approx(-0.1, rel=1e-12)
-    assert line["tool.disk.momentum-y"] == pytest.approx(-0.4 * mass, rel=error + 1e-12)
-    assert line["tool.disk.displacement-x"] == line["tool.disk.angle-z"] == 0.0
+    assert line["rigid.disk.velocity-y"] == pytest.approx(-0.1, rel=1e-12)
+    assert line["rigid.disk.momentum-y"] == pytest.approx(-0.4 * mass, rel=error + 1e-12)
+    assert line["rigid.disk.displacement-x"] == line["rigid.disk.angle-z"] == 0.0
 
 
 @pytest.mark.parametrize(("left", "warned"), [(0.0, True), (-0.05, True), (-1.0, False)])
@@ -192,11 +192,11 @@ def test_a_rigid_disk_is_slowed_down_by_the_wave_that_it_sends():
         # On the grid the wave's foot, 1e-6 of it, is at the floor already.
         expected += line["reaction.y-min-y"] * (line["time"] - before)
     exact = -0.5 * np.exp(-2.0 * c * np.pi * sim.time / mass)
-    assert line["tool.disk.velocity-y"] == pytest.approx(exact, rel=6e-3)
+    assert line["rigid.disk.velocity-y"] == pytest.approx(exact, rel=6e-3)
     assert abs(exact) < 0.3 * 0.5  # it has been slowed down
-    total = line["momentum-y"] + line["tool.disk.momentum-y"]
+    total = line["momentum-y"] + line["rigid.disk.momentum-y"]
     assert total == pytest.approx(expected, rel=1e-11)
-    assert abs(line["tool.disk.force-x"]) < 1e-9 * abs(line["tool.disk.force-y"])
+    assert abs(line["rigid.disk.force-x"]) < 1e-9 * abs(line["rigid.disk.force-y"])
 
 
 @pytest.mark.wide
@@ -210,7 +210,7 @@ def test_a_rigid_disk_at_rest_weighs_on_a_pad():
         ),
         {
             "bodies.disk": DISK | {"region": box([0.0, 1.0], [1.0, 1.4])},
-            "method.relaxation": 10.0,
+            "method.pic-damping": 10.0,
         },
     ))  # fmt: skip
     while not sim.finished:
@@ -218,12 +218,12 @@ def test_a_rigid_disk_at_rest_weighs_on_a_pad():
             sim.diagnostics()
         sim.advance()
     line, weight = sim.diagnostics(), 3.0 * 4.0 * np.pi * 0.4
-    assert line["tool.disk.force-y"] == pytest.approx(weight, rel=0.01)
-    assert abs(line["tool.disk.velocity-y"]) < 1e-3
+    assert line["rigid.disk.force-y"] == pytest.approx(weight, rel=0.01)
+    assert abs(line["rigid.disk.velocity-y"]) < 1e-3
 
 
 #: What a body in the initial configuration has beside others.
-INITIAL = {"configuration": "initial"}
+INITIAL = {"formulation": "total-lagrangian"}
 
 
 @pytest.mark.parametrize(
@@ -238,7 +238,7 @@ INITIAL = {"configuration": "initial"}
         ({"bodies.b.velocity": [1.0, 0.0]}, "bodies.b.velocity: is along the axis"),
         (
             {"bodies.c": {"material": "m", "region": box([0, 1], [1, 2]), **INITIAL}},
-            "bodies.c.configuration: in axisymmetry all bodies have the same",
+            "bodies.c.formulation: in axisymmetry all bodies have the same",
         ),
         (
             {"bodies.disk": DISK | {"velocity": [1.0, 0.0]}},

@@ -14,7 +14,7 @@ HARD = SOFT | {"young": 1000.0}
 
 
 def initial(body):
-    return body | {"configuration": "initial"}
+    return body | {"formulation": "total-lagrangian"}
 
 
 def apart(D, shape, **parts):
@@ -46,7 +46,7 @@ def apart(D, shape, **parts):
 
 @pytest.mark.parametrize(("D", "shape", "affine", "more"), [
     pytest.param(1, "fuzzy-nearest", True, {}, marks=pytest.mark.wide),
-    (2, "finite-gimp", True, {"volumetric": "mean"}),
+    (2, "finite-gimp", True, {"volumetric": "b-bar"}),
     pytest.param(3, "gimp", False, {}, marks=pytest.mark.wide),
 ])  # fmt: skip
 def test_bodies_that_do_not_meet_move_as_they_do_alone(D, shape, affine, more):
@@ -76,7 +76,7 @@ def disks(first, second, cell=0.5, **parts):
     """Two disks of R = 2 that meet askew at a hundredth of the wave speed."""
     bodies = {
         name: {"material": "soft", "region": {"ball": {"centre": [x, y], "radius": 2.0}},
-               "velocity": [v, 0.0], "configuration": configuration}
+               "velocity": [v, 0.0], "formulation": configuration}
         for name, x, y, v, configuration in (
             ("a", 3.0, 3.0, 0.2, first), ("b", 7.2, 3.4, -0.2, second)
         )
@@ -118,8 +118,8 @@ def test_a_block_slides_on_a_bed_of_the_other_configuration(slides):
     """g (sin - mu cos): mu 0.3 at 24 degrees."""
     g, slope = (np.sin(np.radians(24.0)), np.cos(np.radians(24.0))), 0.3
     block, bed = box([1.0, 2.0], [5.0, 4.0]), box([0.0, 0.0], [14.0, 2.0])
-    block["configuration"] = slides
-    bed["configuration"] = "current" if slides == "initial" else "initial"
+    block["formulation"] = slides
+    bed["formulation"] = "current" if slides == "initial" else "initial"
     case = scene(2, {"block": block, "bed": bed}, cells=[14, 6], end=6.0, step={"courant": 0.3},
                  materials={"soft": HARD | {"young": 20000.0}},
                  boundaries={"y-min": "fixed", "x-min": "slip", "x-max": "slip"},
@@ -153,7 +153,7 @@ def test_water_rests_on_a_plate_in_the_initial_configuration():
                  materials={"soft": HARD | {"young": 5000.0}, "water": water},
                  boundaries={"x-min": "slip", "x-max": "slip"}, gravity=[0.0, -1.0],
                  constraints=ends, contact=[{"bodies": "all"}])  # fmt: skip
-    case["method"] |= {"relaxation": 1.0, "volumetric": "mean"}
+    case["method"] |= {"relaxation": 1.0, "volumetric": "b-bar"}
     sim, held = start(case), []
     while not sim.finished:
         sim.advance()
@@ -195,7 +195,7 @@ def test_what_cannot_be_in_one_case_is_said():
 def test_one_particle_a_cell_is_refused():
     """Displacements that alternate from vertex to vertex strain none in the middle of a cell."""
     case = disks("initial", "current")
-    case["method"]["particles_per_cell"] = [1, 1]
+    case["method"]["particles-per-cell"] = [1, 1]
     with pytest.raises(ValidationError, match="have hourglass modes with one particle along 2"):
         start(case)
     start(disks("current", "current") | {"method": case["method"]})
@@ -217,7 +217,7 @@ def test_a_drop_does_not_fall_through_a_slab(drops, size):
     bodies = {
         "slab": initial(box([0.0, 2.0], [8.0, 4.0])),
         "drop": box([4.0, 4.5], [4.0 + size[0], 4.5 + size[1]], [0.0, -1.0])
-        | {"configuration": drops},
+        | {"formulation": drops},
     }
     held = {"body": "slab", "velocity": [0.0, 0.0]}
     ends = {

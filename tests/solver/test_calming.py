@@ -30,7 +30,7 @@ def blocks(relaxation="auto", bodies=None, shape="gimp", **parts):
     grains = {key: SAND[key] for key in ("young", "poisson", "density")}
     return deepcopy({
         "format": 1, "dimensions": 2, "grid": {"size": [12.0, 8.0], "cell": [1.0, 1.0]},
-        "method": {"shape": shape, "particles_per_cell": [2, 2], "relaxation": relaxation},
+        "method": {"shape": shape, "particles-per-cell": [2, 2], "relaxation": relaxation},
         "time": {"end": 1.0e3, "step": 1.0e-3},
         "materials": {
             "sand": SAND, "solid": {"model": "hooke"} | grains,
@@ -198,7 +198,7 @@ def test_sand_that_has_collapsed_comes_to_rest():
         sim = start(blocks(
             relaxation, {"one": block([0.0, 0.0], [4.0, 8.0])}, gravity=[0.0, -1.0],
             grid={"size": [24.0, 10.0], "cell": [1.0, 1.0]}, time={"end": 60.0, "step": 0.008},
-            boundaries={"x-min": "slip", "y-min": {"separating": {"friction": 0.5}}},
+            boundaries={"x-min": "slip", "y-min": {"unilateral": {"friction": 0.5}}},
             materials={"sand": SAND},
         ))  # fmt: skip
         most, lost = 0.0, [0.0]

@@ -141,8 +141,8 @@ def test_a_run_goes_on_when_all_have_left(emptied):
         assert run.state == "done" and len(run.frame(0)) == 12 and len(run.frame(-1)) == 0
         last = run.history[-1]
         assert last["time"] == 1.8 and last["mass"] == last["kinetic-energy"] == 0.0
-        assert last["escaped.mass"] == 9.0
-        assert last["escaped.momentum-x"] == pytest.approx(99.0, rel=1e-13)
+        assert last["outflow.mass"] == 9.0
+        assert last["outflow.momentum-x"] == pytest.approx(99.0, rel=1e-13)
         assert np.isnan(last["body.ahead.centre-x"]) and np.isnan(last["body.behind.centre-x"])
         assert run.frame(-1)["stress"].shape == (0, 6)
         log = (run.path / "log.txt").read_text()

@@ -23,7 +23,7 @@ def thrown(dimension, face="fixed", velocity=None, configuration="current", **pa
     """
     up = dimension - 1
     v = [1.0] + [0.0] * up if velocity is None else velocity
-    body = box([2.0] * up + [0.0], [4.0] * up + [0.2], v) | {"configuration": configuration}
+    body = box([2.0] * up + [0.0], [4.0] * up + [0.2], v) | {"formulation": configuration}
     body["material"] = "dust"
     case = scene(dimension, body, cells=[8] * up + [4], per_cell=[2] * up + [5],
                  step=0.005, **parts)  # fmt: skip
@@ -51,7 +51,7 @@ def test_the_difference_falls_as_the_way_by_it():
     """Points on the face itself, of which it holds everything: dv/dt = -STOPS v^2/h."""
     case = thrown(2, shape="mpm", end=1.0)
     case["bodies"]["body"]["region"]["box"]["max"][1] = 1e-6
-    case["method"]["particles_per_cell"] = [2, 1000000]
+    case["method"]["particles-per-cell"] = [2, 1000000]
     sim = start(case)
     v, time = [], []
     while not sim.finished:

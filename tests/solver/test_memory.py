@@ -246,7 +246,7 @@ def test_long_boxes_are_counted_in_few_looks(monkeypatch):
     """A brick two boxes wide, of boxes four times as long as wide: it is divided across."""
     case = scene(2, {"material": "soft", "region": {"box": {"min": [3.1, 3.1], "max": [7.0, 6.9]}}})
     case["grid"] |= {"size": [8.0, 8.0], "cell": [4.0, 1.0]}
-    case["method"]["particles_per_cell"] = [1, 1]
+    case["method"]["particles-per-cell"] = [1, 1]
     distances = []
     region = type(Case.model_validate(case).bodies["body"].region)
     asked = region.distance

@@ -18,18 +18,18 @@ def lying(dimension, below, configuration, gravity=None, **parts):
     up, low, high = dimension - 1, [1.0] * (dimension - 1), [4.0] * (dimension - 1)
     face = f"{'xyz'[up]}-min"
     base = LEVEL if below in ("rigid", "body") else 0.0
-    block = box([*low, base], [*high, base + 3.0]) | {"configuration": configuration}
+    block = box([*low, base], [*high, base + 3.0]) | {"formulation": configuration}
     bodies, more = {"block": block}, {}
     if below == "rigid":
         deep = {"box": {"min": [-2.0] * up + [-3.0], "max": [9.0] * up + [LEVEL]}}
         bodies["floor"] = {"rigid": {}, "region": deep}
     elif below == "body":
         slab = box([0.0] * dimension, [6.0] * up + [LEVEL])
-        bodies["slab"] = slab | {"configuration": configuration}
+        bodies["slab"] = slab | {"formulation": configuration}
         more["boundaries"] = {face: "fixed"}
     else:
-        rough = {"separating": {"friction": 0.4}}
-        more["boundaries"] = {face: {"wall": "separating", "rough": rough}.get(below, below)}
+        rough = {"unilateral": {"friction": 0.4}}
+        more["boundaries"] = {face: {"wall": "unilateral", "rough": rough}.get(below, below)}
     if below in ("rigid", "body"):
         more["contact"] = [{"bodies": "all", "friction": 0.3}]
     case = scene(dimension, bodies, cells=[6] * dimension,
@@ -103,10 +103,10 @@ def test_heat_of_a_wall_is_force_times_way(configuration, shape):
     """A block slides on a rough wall: heat and what is left are gravity's work."""
     slope = np.radians(24.0)
     gravity = [float(np.sin(slope)), -float(np.cos(slope))]
-    body = box([1.0, 0.0], [5.0, 2.0]) | {"configuration": configuration}
+    body = box([1.0, 0.0], [5.0, 2.0]) | {"formulation": configuration}
     case = scene(2, body, cells=[14, 5], shape=shape, end=4.0, step={"courant": 0.3},
                  gravity=gravity)  # fmt: skip
-    case["boundaries"] = {"y-min": {"separating": {"friction": 0.3}}}
+    case["boundaries"] = {"y-min": {"unilateral": {"friction": 0.3}}}
     case["materials"]["soft"] |= {"young": 1000.0}
     sim = start(case)
     while sim.time < 1.0:
@@ -135,6 +135,6 @@ def test_heat_of_a_wall_is_force_times_way(configuration, shape):
 def test_walls_that_only_hold_a_component_take_nothing():
     """Columns belong to walls that let go or hold every component; others say what they work."""
     case = scene(2, box([0.0, 0.0], [2.0, 2.0]), end=0.01,
-                 boundaries={"x-min": "slip", "y-min": "separating", "x-max": "fixed"})  # fmt: skip
+                 boundaries={"x-min": "slip", "y-min": "unilateral", "x-max": "fixed"})  # fmt: skip
     names = [name for name in start(case).diagnostics() if name.startswith("wall.")]
     assert names == ["wall.y-min.friction-heat", "wall.x-max.impact-loss", "wall.y-min.impact-loss"]

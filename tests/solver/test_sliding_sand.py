@@ -21,7 +21,7 @@ def braked(shape, cell):
         "format": 1,
         "dimensions": 2,
         "grid": {"size": [9.0, 1.5], "cell": [cell, cell]},
-        "method": {"shape": shape, "particles_per_cell": [2, 2]},
+        "method": {"shape": shape, "particles-per-cell": [2, 2]},
         "time": {"end": 0.4, "step": {"courant": 0.3}},
         "materials": {"sand": sand},
         "bodies": {"layer": {"material": "sand", "region": layer, "velocity": [3.0, 0.0]}},

@@ -8,7 +8,7 @@ def alone(**method):
     """The solver of one particle of water that drifts, half a cell from vertices along y only."""
     case = {
         "format": 1, "dimensions": 2, "grid": {"size": [12.0, 8.0], "cell": [1.0, 1.0]},
-        "method": {"shape": "gimp", "particles_per_cell": [2, 2], "affine": True, **method},
+        "method": {"shape": "gimp", "particles-per-cell": [2, 2], "affine": True, **method},
         "time": {"end": 1.0e3, "step": {"courant": 0.3}},
         "materials": {"water": {"model": "newtonian", "bulk": 100.0, "density": 1.0}},
         "bodies": {

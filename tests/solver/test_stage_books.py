@@ -105,7 +105,7 @@ def test_a_skin_that_its_body_leaves_does_not_jump(material):
     bodies = {"thick": box([2.0, 1.0], [6.0, 3.0]), "skin": box([2.0, 3.0], [6.0, 3.15])}
     clamp = {"body": "thick", "region": {"box": {"min": [2.0, 1.0], "max": [3.0, 3.0]}}}
     case = scene(
-        2, {name: body | {"configuration": "initial"} for name, body in bodies.items()},
+        2, {name: body | {"formulation": "total-lagrangian"} for name, body in bodies.items()},
         cells=[8, 6], end=0.6, step={"courant": 0.05}, gravity=[0.0, -40.0],
         constraints={"clamp": clamp | {"velocity": [0.0, 0.0]}}, materials={"soft": model},
     )  # fmt: skip

@@ -37,7 +37,7 @@ def test_kernels_of_all_stages_are_compiled_before_the_first_step(tmp_path, pyth
     punch = {"rigid": {"velocity": [-0.1]}, "region": {"box": {"min": [13.5], "max": [15.0]}}}
     case = bar(
         HOLD | {"end": 1.5, "method": {"relaxation": 2.0}},
-        {"end": 1.6, "step": 0.01, "boundaries": {"x-max": "separating"}, "remove": ["punch"]},
+        {"end": 1.6, "step": 0.01, "boundaries": {"x-max": "unilateral"}, "remove": ["punch"]},
         constraints={}, boundaries={}, contact=[{"bodies": "all"}],
     )  # fmt: skip
     case["bodies"]["punch"] = punch

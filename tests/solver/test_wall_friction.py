@@ -26,7 +26,7 @@ def sliding(friction, angle, **parts):
         end=6.0,
         step={"courant": 0.3},
         gravity=[G * sin(slope), -G * cos(slope)],
-        boundaries={"y-min": {"separating": {"friction": friction}}},
+        boundaries={"y-min": {"unilateral": {"friction": friction}}},
         **parts,
     )
     case["materials"]["soft"] = {**case["materials"]["soft"], "young": 1000.0}
@@ -91,7 +91,7 @@ def test_without_friction_it_is_the_plain_wall():
         start(
             scene(2, box([2.0, 0.5], [5.0, 3.0], [0.3, -1.0]), end=0.6, boundaries={"y-min": wall})
         )
-        for wall in ("separating", {"separating": {"friction": 0.0}})
+        for wall in ("unilateral", {"unilateral": {"friction": 0.0}})
     )
     for sim in (plain, other):
         stir(sim, 0.3)
@@ -108,7 +108,7 @@ def test_friction_takes_no_more_than_there_is(dimension):
     body = box([1.0] * (D - 1) + [0.0], [3.0] * D, [1.0, *[0.0] * (D - 2), 0.0])
     face = f"{'xyz'[D - 1]}-min"
     case = scene(D, body, end=1.5, gravity=gravity, per_cell=2 if D == 2 else 1,
-                 boundaries={face: {"separating": {"friction": 0.5}}})  # fmt: skip
+                 boundaries={face: {"unilateral": {"friction": 0.5}}})  # fmt: skip
     case["materials"]["soft"] = {**case["materials"]["soft"], "young": 1000.0}
     sim = start(case)
     first = sim.diagnostics()
@@ -123,16 +123,16 @@ def test_friction_takes_no_more_than_there_is(dimension):
 def test_a_case_writes_the_wall_as_it_is_read():
     case = sliding(0.3, 24.0)
     typed = Case.model_validate(case)
-    assert "separating: {friction: 0.3, restitution: 0.0}" in dump_case(typed)
+    assert "unilateral: {friction: 0.3, restitution: 0.0}" in dump_case(typed)
     assert read_case(dump_case(typed), "case.yaml") == typed
-    plain = Case.model_validate(case | {"boundaries": {"y-min": "separating"}})
-    assert "y-min: separating" in dump_case(plain)
-    assert Case.model_validate(case | {"boundaries": {"y-min": {"separating": {}}}}) == plain
+    plain = Case.model_validate(case | {"boundaries": {"y-min": "unilateral"}})
+    assert "y-min: unilateral" in dump_case(plain)
+    assert Case.model_validate(case | {"boundaries": {"y-min": {"unilateral": {}}}}) == plain
 
 
 def test_the_last_rank_has_the_wall():
     """Those beyond a wall share the clearance of the vertex on it, so the cut leaves both there."""
-    case = scene(2, box([5.0, 2.0], [7.7, 5.0]), boundaries={"x-max": "separating"})
+    case = scene(2, box([5.0, 2.0], [7.7, 5.0]), boundaries={"x-max": "unilateral"})
     made = start(case).scene
     layers, wall = (
         made.domain.frame.vertices[0],

@@ -111,7 +111,7 @@ def _grid(case: Case, factor: float) -> dict[str, Any]:
         wanted = n / factor
         number = max(fewest, round(wanted))
         kept = [
-            any(face in one.escape or one.boundaries.get(face) is not None for one in case.stages)
+            any(face in one.outflow or one.boundaries.get(face) is not None for one in case.stages)
             or (case.axisymmetric and face == "x-min")
             for face in faces
         ]

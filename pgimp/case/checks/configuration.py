@@ -23,7 +23,7 @@ def check_parted(
 
     Tied bodies share one field, also with bodies that are tied to these in turn.
     """
-    current = [name for name, body in bodies.items() if body.configuration == "current"]
+    current = [name for name, body in bodies.items() if body.formulation == "updated-lagrangian"]
     if len(current) == len(bodies):
         return
     names = [*bodies, *rigid_bodies]
@@ -52,13 +52,13 @@ def check_parted(
 def check_averaged(bodies: Mapping[str, Body], method: Shape) -> Problems:
     """Check that bodies with averaged mass are in the initial configuration."""
     for name, body in bodies.items():
-        if (body.mass or method.mass) != "averaged" or body.configuration == "initial":
+        if (body.mass or method.mass) != "averaged" or body.formulation == "total-lagrangian":
             continue
         path = ("bodies", name, "mass") if body.mass else ("method", "mass")
         yield Problem(
             path,
             f"averaged is for the initial configuration, but '{name}' is in the current one, where "
-            "weights, and so this mass, would change with every step: take configuration: initial, "
-            "or mass: lumped for this body",
+            "weights, and so this mass, would change with every step: take formulation: "
+            "total-lagrangian, or mass: lumped for this body",
         )
         return

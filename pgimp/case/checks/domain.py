@@ -19,7 +19,7 @@ from pgimp.physics.loads import BODY_FORCES
 from pgimp.physics.loads.bodyforce import BodyForceEntry
 from pgimp.physics.materials.base import Material
 from pgimp.physics.materials.parameters.vary import PREFIX, field_of
-from pgimp.schema.messages import unknown
+from pgimp.schema.messages import keys_of, unknown
 from pgimp.schema.problems import Problem
 from pgimp.schema.registries import name_of
 from pgimp.schema.sizes import WHOLE, Problems, faces, nearest_whole, whole
@@ -123,11 +123,11 @@ def check_body_force(dimensions: int, body_force: BodyForceEntry | None) -> Prob
     if dimensions not in body_force.DIMENSIONS:
         allowed = " and ".join(f"{d}D" for d in body_force.DIMENSIONS)
         text = f"{name} exists in {allowed} only, but the case has {dimensions}D"
-        yield Problem(("body_force", name), text)
+        yield Problem(("body-force", name), text)
         return
-    below = () if name in type(body_force).model_fields else (name,)
+    below = () if name in keys_of(type(body_force)) else (name,)
     for found in body_force.check(dimensions):
-        yield found._replace(path=("body_force", *below, *found.path))
+        yield found._replace(path=("body-force", *below, *found.path))
 
 
 def check_boundaries(dimensions: int, boundaries: Mapping[str, Boundary]) -> Problems:

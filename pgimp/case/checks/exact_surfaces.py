@@ -24,7 +24,7 @@ def exact_surfaces(case: Any) -> list[bool]:
     the centre of a cell that is filled in part it is not that of its particles, and locks.
     """
     able = may_be_exact(case.bodies, case.method)
-    means = case.method.volumetric == "mean" and case.dimensions > 1
+    means = case.method.volumetric == "b-bar" and case.dimensions > 1
     boxes = (1,) * case.dimensions if means else case.method.particles_per_cell
     cut = any(able) and (
         case.staged.meets
@@ -41,7 +41,7 @@ def exact_surfaces(case: Any) -> list[bool]:
 def meets(case: Any) -> bool:
     """Whether bodies of a `Case` may meet by surfaces: each other, rigid bodies or walls."""
     walls = any(entry.approaches for entry in case.boundaries.values())
-    current = any(body.configuration == "current" for body in case.bodies.values())
+    current = any(body.formulation == "updated-lagrangian" for body in case.bodies.values())
     some = case.contact or case.rigid_bodies or walls or current
     return bool(some) and meet_by_surfaces(case.bodies)
 
@@ -66,7 +66,7 @@ def fallback(case: Any) -> str:
     Their particles have the volumes of their parts, but weights of whole boxes.
     """
     bodies, method = case.bodies, case.method
-    current = [name for name, body in bodies.items() if body.configuration != "initial"]
+    current = [name for name, body in bodies.items() if body.formulation != "total-lagrangian"]
     begun = [name for name in bodies if name not in current]
     if current and begun and not method.in_cell:
         return (
@@ -76,7 +76,7 @@ def fallback(case: Any) -> str:
     cut = [
         name
         for name, body in bodies.items()
-        if body.configuration == "initial" and body.surface == "cut"
+        if body.formulation == "total-lagrangian" and body.surface == "cut"
         if not isinstance(body.region, Points)
         if cuts(body.region, case.grid, method.particles_per_cell)
     ]

@@ -11,9 +11,9 @@ from typing import Any
 
 from pgimp.case.body import Body
 from pgimp.case.checks.regions import check_region
-from pgimp.case.escape import Sink
 from pgimp.case.gauges import CutGauge, FluxGauge, Gauge, LevelGauge
 from pgimp.case.grid import Grid
+from pgimp.case.outflow import Sink
 from pgimp.case.output import PlaceProbe, PointProbe
 from pgimp.geometry.regions import Box, HalfSpace
 from pgimp.physics.boundaries.base import Boundary
@@ -41,7 +41,7 @@ def fit_grid(dimensions: int, grid: Grid) -> Problems:
 
 def fit_method(dimensions: int, method: Shape) -> Problems:
     """Check that there is a number of particles along each direction."""
-    yield from length(("method", "particles_per_cell"), method.particles_per_cell, dimensions)
+    yield from length(("method", "particles-per-cell"), method.particles_per_cell, dimensions)
 
 
 def fit_gravity(dimensions: int, gravity: object) -> Problems:
@@ -128,11 +128,11 @@ def fit_inflow(dimensions: int, inflow: Mapping[str, InflowEntry]) -> Problems:
         yield from length(("inflow", name, "velocity"), entry.velocity, dimensions)
 
 
-def fit_escape(dimensions: int, escape: Mapping[str, Any]) -> Problems:
+def fit_outflow(dimensions: int, outflow: Mapping[str, Any]) -> Problems:
     """Check that regions of sinks fit the dimensions."""
-    for name, action in escape.items():
+    for name, action in outflow.items():
         if isinstance(action, Sink):
-            yield from check_region(("escape", name, "region"), action.region, dimensions)
+            yield from check_region(("outflow", name, "region"), action.region, dimensions)
 
 
 def fit_probes(dimensions: int, probes: Mapping[str, PointProbe | PlaceProbe]) -> Problems:
@@ -168,7 +168,7 @@ FITS = (
     fit_tractions,
     fit_constraints,
     fit_inflow,
-    fit_escape,
+    fit_outflow,
     fit_probes,
     fit_gauges,
 )

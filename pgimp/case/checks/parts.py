@@ -23,12 +23,12 @@ from pgimp.case.checks.domain import (
     check_output,
     check_time,
 )
-from pgimp.case.checks.escape import check_escape
 from pgimp.case.checks.exclusions.table import check_exclusions
 from pgimp.case.checks.fit import FITS
 from pgimp.case.checks.geometry import check_geometry
 from pgimp.case.checks.geostatic import check_geostatic, check_water
 from pgimp.case.checks.numbers import check_numbers
+from pgimp.case.checks.outflow import check_outflow
 from pgimp.case.checks.periodic import check_period, check_periodic_faces, check_unwrapped
 from pgimp.case.checks.places.gauges import check_gauges
 from pgimp.case.checks.places.probes import check_probes
@@ -51,10 +51,13 @@ from pgimp.schema.problems import Problem
 from pgimp.schema.sizes import Problems
 
 _NAMED = (
-    "materials", "bodies", "boundaries", "escape", "tractions", "constraints", "inflow", "probes",
+    "materials", "bodies", "boundaries", "outflow", "tractions", "constraints", "inflow", "probes",
     "gauges",
 )  # fmt: skip
 """Parts of a case that are made of named entries."""
+
+_WRITTEN = {"every_body": "bodies", "body_force": "body-force"}
+"""Keys of parts by their names in the program, where these differ."""
 
 
 def check(
@@ -71,7 +74,7 @@ def check(
     wrong = {item.path[:2] for item in problems}
     given: dict[str, Any] = {"counted": counted, "began": began, "gone": gone}
     for name, part in parts.items():
-        written = "bodies" if name == "every_body" else name
+        written = _WRITTEN.get(name, name)
         if written in _NAMED:
             given[name] = _sound_entries(written, part, wrong)
         elif not any(path[:1] == (written,) for path in wrong):
@@ -89,11 +92,7 @@ def check(
     problems += check_exclusions(given)
     known = {item.path for item in problems}
     others = ("body_names", "declared")
-    numbers = {
-        "bodies" if name == "every_body" else name: part
-        for name, part in parts.items()
-        if name not in others
-    }
+    numbers = {_WRITTEN.get(name, name): part for name, part in parts.items() if name not in others}
     problems += [item for item in check_numbers(numbers) if item.path not in known]
     return problems
 
@@ -171,7 +170,7 @@ _CHECKS = (
     check_rigid_bodies,
     check_body_force,
     check_boundaries,
-    check_escape,
+    check_outflow,
     check_periodic_faces,
     check_period,
     check_unwrapped,

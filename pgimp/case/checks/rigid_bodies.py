@@ -69,7 +69,7 @@ def meet_by_surfaces(bodies: Mapping[str, Body]) -> bool:
 
     Those in the current one still meet each other at the vertices of the domain's grid.
     """
-    return any(body.configuration == "initial" for body in bodies.values())
+    return any(body.formulation == "total-lagrangian" for body in bodies.values())
 
 
 def check_contact(
@@ -87,11 +87,12 @@ def check_contact(
         if getattr(condition, "restitution", 0.0) and not free:
             text = (
                 "its restitution is of rigid bodies that move freely, of which none meets it here: "
-                "that takes scenes in which others have `configuration: initial`; leave it out"
+                "that takes scenes in which others have `formulation: total-lagrangian`; leave it "
+                "out"
             )
             yield Problem(("boundaries", face), text)
-    needs = "is for bodies with `configuration: initial`"
-    now = {name for name, body in bodies.items() if body.configuration == "current"}
+    needs = "is for bodies with `formulation: total-lagrangian`"
+    now = {name for name, body in bodies.items() if body.formulation == "updated-lagrangian"}
     earlier: dict[frozenset[str], int] = {}
     for i, entry in enumerate(contact):
         path: tuple[str | int, ...] = ("contact", i, "bodies")
@@ -131,18 +132,18 @@ def check_surface_output(
     if not output.surface:
         return
     path = "output", "surface"
-    now = [name for name, body in bodies.items() if body.configuration == "current"]
+    now = [name for name, body in bodies.items() if body.formulation == "updated-lagrangian"]
     if not meet_by_surfaces(bodies):
         text = (
-            "takes bodies that meet by their surfaces: give them `configuration: initial`, or "
-            "leave this out"
+            "takes bodies that meet by their surfaces: give them `formulation: total-lagrangian`, "
+            "or leave this out"
         )
         yield Problem(path, text)
     elif now:
         text = (
             f"is not for cases with a body in the current configuration, '{now[0]}': its material "
             "has no surface of its own, and what it presses with is known for whole patches only: "
-            "give it `configuration: initial`, or leave this out; forces are in the history"
+            "give it `formulation: total-lagrangian`, or leave this out; forces are in the history"
         )
         yield Problem(path, text)
     elif not contact and not any(face.approaches for face in boundaries.values()):

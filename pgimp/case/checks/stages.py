@@ -28,15 +28,17 @@ def check_by_itself(stage: Stage, before: Case, names: set[str]) -> Problems:
     """Check a stage by itself; paths start at the stage."""
     if stage.name in names:
         yield Problem(("name",), "another stage has this name already")
-    if stage.settle is not None:
+    if stage.equilibrate is not None:
         if stage.end is not None:
             yield Problem(
                 ("end",),
-                "a stage with settle is done when it is at rest, at the time at which it began: "
-                "leave out the end, and let a stage of its own go on from there",
+                "a stage with `equilibrate` is done when it is at rest, at the time at which it "
+                "began: leave out the end, and let a stage of its own go on from there",
             )
     elif stage.end is None:
-        yield Problem(("end",), "missing (or {settle: {}}, where the stage comes to rest)", True)
+        yield Problem(
+            ("end",), "missing (or {equilibrate: {}}, where the stage comes to rest)", True
+        )
     elif stage.end <= before.time.end:
         yield Problem(
             ("end",),
@@ -53,9 +55,9 @@ def check_by_itself(stage: Stage, before: Case, names: set[str]) -> Problems:
     if not left and not stage.add:
         yield Problem(("remove",), "nothing is left; a case needs a body of a material")
     for key in stage.method:
-        if key != "relaxation":
+        if key != "pic-damping":
             yield Problem(
-                ("method", key), "cannot change in a stage; of the method only relaxation can"
+                ("method", key), "cannot change in a stage; of the method only pic-damping can"
             )
     if "at" in stage.output:
         yield Problem(
@@ -112,7 +114,7 @@ def check_by_itself(stage: Stage, before: Case, names: set[str]) -> Problems:
     for section in (*BY_KEY, *BY_ENTRY):
         for name, entry in getattr(stage, section).items():
             known = {*getattr(before, section)}
-            if section == "escape":  # faces, where nothing escapes anyway
+            if section == "outflow":  # faces, where nothing escapes anyway
                 known.update(faces(before.dimensions))
             if entry is None and name not in known:
                 text = unknown("name", name, getattr(before, section), "there are")
@@ -157,7 +159,7 @@ def check_changes(before: Case, now: Case, stage: Stage) -> Problems:
             ("contact",),
             "surfaces of the bodies are known at the start only: a stage can change the laws of "
             "contact, and end it, but not begin it; give the case itself an entry, as "
-            "{bodies: all, law: tied}",
+            "{bodies: all, law: tie}",
         )
     yield from check_planes_of_symmetry(before, now)
     for face in sorted({*before.boundaries, *now.boundaries}):
@@ -230,5 +232,5 @@ def reselects(before: Case, now: Case, name: str) -> bool:
 
 def _with_origins(case: Case) -> bool:
     """Whether particles store their initial position; see `Scene.origins`."""
-    initial = any(body.configuration == "initial" for body in case.bodies.values())
+    initial = any(body.formulation == "total-lagrangian" for body in case.bodies.values())
     return initial or "displacement" in case.output.fields

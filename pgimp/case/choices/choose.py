@@ -14,8 +14,10 @@ Case = Any
 Data = dict[str, Any]
 Path = tuple[str, ...]
 
+TOTAL, UPDATED = "total-lagrangian", "updated-lagrangian"
+
 #: Keys of `method` that are chosen for the scene.
-_OF_METHOD = ("shape", "particles_per_cell", "affine", "volumetric")
+_OF_METHOD = ("shape", "particles-per-cell", "affine", "volumetric")
 #: Kinds of bodies as lines name them.
 _WORDS = {
     "elastic": "elastic", "metal": "a metal", "soil": "soil", "grains": "grains",
@@ -40,7 +42,7 @@ class Choice(NamedTuple):
 class Open(NamedTuple):
     """What a case leaves out."""
 
-    bodies: tuple[str, ...]  #: Those of a material without `configuration`.
+    bodies: tuple[str, ...]  #: Those of a material without `formulation`.
     masses: tuple[str, ...]  #: Those of a material without `mass`.
     method: tuple[str, ...]  #: Keys of `_OF_METHOD`.
     step: bool
@@ -62,13 +64,13 @@ def left_out(data: Mapping[str, Any]) -> Open | None:
         return None
     if data.get("dimensions") not in (1, 2, 3) or isinstance(data.get("dimensions"), bool):
         return None
-    whole = {"shape", "particles_per_cell"} <= set(method) and "step" in time
+    whole = {"shape", "particles-per-cell"} <= set(method) and "step" in time
     bonded = data.get("contact") == "bonded"
     if data.get("format") != 2 and whole:
         return Open((), (), (), False, False, True) if bonded else None
     soft = {k: b for k, b in every.items() if isinstance(b, Mapping) and "rigid" not in b}
     found = Open(
-        tuple(name for name, body in soft.items() if "configuration" not in body),
+        tuple(name for name, body in soft.items() if "formulation" not in body),
         tuple(n for n, body in soft.items() if "mass" not in body and "mass" not in method),
         tuple(key for key in _OF_METHOD if key not in method),
         "step" not in time,
@@ -86,7 +88,7 @@ def without_choice(data: Mapping[str, Any]) -> Data:
     found, count, time = dict(data), data.get("dimensions"), data.get("time")
     if found.get("method") in (None, "auto"):
         known = count if count in (1, 2, 3) else 1
-        found["method"] = {"shape": "gimp", "particles_per_cell": (2,) * int(known or 1)}
+        found["method"] = {"shape": "gimp", "particles-per-cell": (2,) * int(known or 1)}
     if isinstance(time, Mapping) and "step" not in time:
         found["time"] = {**time, "step": {"courant": 0.3}}
     return found
@@ -97,7 +99,7 @@ def plain(data: Mapping[str, Any], open_keys: Open) -> Data:
     count = int(data["dimensions"])
     values: dict[Path, Any] = {
         ("method", "shape"): "gimp",
-        ("method", "particles_per_cell"): (2,) * count,
+        ("method", "particles-per-cell"): (2,) * count,
         ("time", "step"): {"courant": 0.3},
     }
     asked = {("method", key) for key in open_keys.method}
@@ -147,19 +149,19 @@ def _choices(
     found: dict[Path, Choice] = {}
     initial = []
     for body in facts:
-        rule = rule_of(OF_BODIES, "configuration", body)
+        rule = rule_of(OF_BODIES, "formulation", body)
         value, reason = rule.value, f"{_WORDS[body.kind]}: {rule.reason}"
         if body.wall and rule.page == "walls.md":
             reason += f" ({body.wall})"
-        instead = not may[0] and value == "initial"
+        instead = not may[0] and value == TOTAL
         if instead:
-            value, reason = "current", "initial is refused in this case"
+            value, reason = UPDATED, f"{TOTAL} is refused in this case"
         if body.name in open_keys.bodies:
-            path = ("bodies", body.name, "configuration")
+            path = ("bodies", body.name, "formulation")
             found[path] = Choice(path, value, reason, rule.page, instead)
         else:
-            value = case.bodies[body.name].configuration
-        initial.append(value == "initial")
+            value = case.bodies[body.name].formulation
+        initial.append(value == TOTAL)
     if open_keys.bonded:
         entries = bonded(case, initial)
         found["contact",] = Choice(("contact",), entries, "bonded, as written", "contact.md")
@@ -169,7 +171,7 @@ def _choices(
     approached = any(face.approaches for face in case.boundaries.values())
     meets = bool(case.contact or case.rigid_bodies or approached or ("contact",) in found)
     scene = SceneChoice(
-        case.dimensions, tuple(facts), tuple(initial), meets, case.start.settle is not None
+        case.dimensions, tuple(facts), tuple(initial), meets, case.start.equilibrate is not None
     )
     for body, one in zip(facts, initial, strict=True):
         rule = MASS[0]
@@ -184,7 +186,7 @@ def _choices(
     for key in open_keys.method:
         rule = rule_of(OF_SCENES, key, scene)
         value = rule.value
-        if key == "particles_per_cell":
+        if key == "particles-per-cell":
             value = (value,) * case.dimensions
         if key == "volumetric" and not may[2]:
             value = "pointwise"
@@ -201,7 +203,7 @@ def _contact(met: Meeting) -> tuple[Data, ...]:
     """Entries of contact: of all that may meet, but for groups that stay together."""
     if not met.pairs:  # the others share a field as they are
         return ()
-    tied = ({"bodies": group, "law": "tied"} for group in met.together)
+    tied = ({"bodies": group, "law": "tie"} for group in met.together)
     return ({"bodies": "all"}, *tied)
 
 
@@ -216,7 +218,7 @@ def _met(met: Meeting) -> str:
 def bonded(case: Case, every_initial: Iterable[bool]) -> tuple[Data, ...]:
     """Entries of contact of `contact: bonded`: in the current configuration none are needed."""
     several = len(case.every_body) > 1
-    return ({"bodies": "all", "law": "tied"},) if several and any(every_initial) else ()
+    return ({"bodies": "all", "law": "tie"},) if several and any(every_initial) else ()
 
 
 def lines(case: Case) -> list[str]:
@@ -225,7 +227,7 @@ def lines(case: Case) -> list[str]:
     texts = []
     for name in case.bodies:
         body = [
-            found[p] for p in (("bodies", name, k) for k in ("configuration", "mass")) if p in found
+            found[p] for p in (("bodies", name, k) for k in ("formulation", "mass")) if p in found
         ]
         if body:
             values = ", ".join(f"{one.path[-1]} {one.value}" for one in body)

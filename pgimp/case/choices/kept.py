@@ -42,7 +42,7 @@ def carried(case: Case, other: Case) -> Case:
 
 def paths_of(open_keys: Open) -> Iterator[Path]:
     """Yield the paths of all keys that were chosen, or might have been."""
-    yield from (("bodies", name, "configuration") for name in open_keys.bodies)
+    yield from (("bodies", name, "formulation") for name in open_keys.bodies)
     yield from (("bodies", name, "mass") for name in open_keys.masses)
     yield from (("method", key) for key in open_keys.method)
     if open_keys.step:

@@ -38,8 +38,8 @@ def _body(body: BodyChoice, *kinds: str) -> bool:
 #: Of each body.
 OF_BODIES: tuple[Rule, ...] = (
     Rule(
-        "configuration",
-        "current",
+        "formulation",
+        "updated-lagrangian",
         "stages take out or bring bodies, or it enters by inflow",
         lambda body: body.leaves,
         "particles or parts of the ground come or go",
@@ -47,8 +47,8 @@ OF_BODIES: tuple[Rule, ...] = (
         "methods.md#the-initial-configuration",
     ),
     Rule(
-        "configuration",
-        "current",
+        "formulation",
+        "updated-lagrangian",
         "a liquid, a gas, grains or soil",
         lambda body: _body(body, "liquid", "gas", "grains", "soil"),
         "it flows, which a grid of the start does not follow",
@@ -56,8 +56,8 @@ OF_BODIES: tuple[Rule, ...] = (
         "soils-and-fluids.md#measured",
     ),
     Rule(
-        "configuration",
-        "current",
+        "formulation",
+        "updated-lagrangian",
         "a material of one's own that is not declared elastic",
         lambda body: _body(body, "other"),
         "nothing says that its material keeps together",
@@ -65,8 +65,8 @@ OF_BODIES: tuple[Rule, ...] = (
         "methods.md#the-initial-configuration",
     ),
     Rule(
-        "configuration",
-        "current",
+        "formulation",
+        "updated-lagrangian",
         "a metal with `damage`",
         lambda body: body.fails,
         "it may fail and part",
@@ -74,29 +74,29 @@ OF_BODIES: tuple[Rule, ...] = (
         "methods.md#the-initial-configuration",
     ),
     Rule(
-        "configuration",
-        "current",
+        "formulation",
+        "updated-lagrangian",
         f"a metal, or clay as one, strained by more than {METAL_STRAIN:g}, or by tools and grips "
         "to several times its yield strain",
         lambda body: _body(body, "metal") and (body.strain > METAL_STRAIN or body.yields),
         "its plastic flow is large",
-        "a footing is right to 1.5 %, with `initial` to 8.9 %; Taylor's bar has a radius of 7.01 "
-        "mm, with `initial` 7.38 (published 6.9 to 7.2) in four times the time",
+        "a footing is right to 1.5 %, so to 8.9 %; Taylor's bar has a radius of 7.01 "
+        "mm, so 7.38 (published 6.9 to 7.2) in four times the time",
         "metals.md#in-runs",
     ),
     Rule(
-        "configuration",
-        "current",
+        "formulation",
+        "updated-lagrangian",
         "it may come to a face that holds what lies on it, and does not let go",
         lambda body: bool(body.wall),
         "it may come to a wall that, in the initial configuration, holds only what lies there at "
         "the start",
-        "such a run stops; with `separating` the body bounces, in the initial configuration",
+        "such a run stops; with `unilateral` the body bounces, in the initial configuration",
         "walls.md",
     ),
     Rule(
-        "configuration",
-        "initial",
+        "formulation",
+        "total-lagrangian",
         "an elastic body",
         lambda body: _body(body, "elastic"),
         "it keeps together, so that vibrations and spin last and nothing tears",
@@ -105,8 +105,8 @@ OF_BODIES: tuple[Rule, ...] = (
         "methods.md#initial-and-current-configuration",
     ),
     Rule(
-        "configuration",
-        "initial",
+        "formulation",
+        "total-lagrangian",
         "a metal with small strains",
         lambda body: True,
         "its strains are small, so that it keeps together",
@@ -177,7 +177,7 @@ OF_SCENES: tuple[Rule, ...] = (
         "methods.md#every-method",
     ),
     Rule(
-        "particles_per_cell",
+        "particles-per-cell",
         1,
         "in 1D, all bodies in the initial configuration",
         lambda scene: scene.dimensions == 1 and scene.all_initial,
@@ -186,7 +186,7 @@ OF_SCENES: tuple[Rule, ...] = (
         "methods.md#the-initial-configuration",
     ),
     Rule(
-        "particles_per_cell",
+        "particles-per-cell",
         2,
         "else, along each direction",
         lambda scene: True,
@@ -215,7 +215,7 @@ OF_SCENES: tuple[Rule, ...] = (
     ),
     Rule(
         "volumetric",
-        "mean",
+        "b-bar",
         f"2D or 3D, a solid with Poisson's ratio above {LOCKS:g} or that flows plastically, soils "
         "among them",
         lambda scene: (
@@ -237,7 +237,7 @@ OF_SCENES: tuple[Rule, ...] = (
         "else",
         lambda scene: True,
         "nothing locks",
-        "a step costs 1.1 to 1.2 times as much with `mean`",
+        "a step costs 1.1 to 1.2 times as much with `b-bar`",
         "methods.md#reasons",
     ),
     Rule(
@@ -252,10 +252,10 @@ OF_SCENES: tuple[Rule, ...] = (
     Rule(
         "courant",
         0.2,
-        "a gas; or 3D with `volumetric: mean`",
+        "a gas; or 3D with `volumetric: b-bar`",
         lambda scene: (
             scene.some("gas")
-            or (scene.dimensions == 3 and _chosen(OF_SCENES, "volumetric", scene) == "mean")
+            or (scene.dimensions == 3 and _chosen(OF_SCENES, "volumetric", scene) == "b-bar")
         ),
         "steps that are stable with mean dilatation, or behind shocks",
         "largest stable 0.26 with two particles a cell and direction",
@@ -277,7 +277,7 @@ OF_SCENES: tuple[Rule, ...] = (
 #: What `auto`, the default of these keys, takes: said here for the page alone.
 BY_MATERIAL: tuple[Rule, ...] = (
     Rule(
-        "relaxation",
+        "pic-damping",
         "auto",
         "soil and grains: 0.002 c/h to the body's own motion; liquids alone: 0.01 nu/h^2",
         lambda scene: True,

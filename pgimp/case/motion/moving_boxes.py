@@ -141,7 +141,7 @@ def felt(case: Case) -> np.ndarray:
     """
     names = [*case.bodies, *case.rigid_bodies]
     entry = Pairs.of(case.contact, names).entry
-    initial = np.array([body.configuration == "initial" for body in case.bodies.values()])
+    initial = np.array([body.formulation == "total-lagrangian" for body in case.bodies.values()])
     alone = np.zeros(len(names), bool)
     alone[: len(initial)] = initial
     shares = np.abs(entry) > len(case.contact)

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from pgimp.case.checks.exact_surfaces import meets
 from pgimp.case.checks.stages import check_by_itself, check_changes, reselects
-from pgimp.case.escape import exits_of
+from pgimp.case.outflow import exits_of
 from pgimp.case.stages import Stage, Staged, merged
 from pgimp.case.staging.strength import strength_problems, weakened
 from pgimp.physics.loads.constraints import ConstraintEntry
@@ -33,7 +33,7 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
     first = _of_stage(type(case), data, at, start, case.time.end, 0.0)
     awaited = {name: i for i, stage in enumerate(case.time.stages, 1) for name in stage.add}
     first.__dict__["staged_as"] = Staged(
-        escapes=bool(exits_of(first.escape)), awaited=awaited, stress=case.start.stress
+        escapes=bool(exits_of(first.outflow)), awaited=awaited, stress=case.start.stress
     )
     found, names, strength = [first], {""}, None
     data.pop("start")  # of the first stage alone
@@ -61,7 +61,7 @@ def arrange(case: Case) -> tuple[tuple[Case, ...], list[Problem]]:
             return (), [_relocated(item, stage, where) for item in problems]
         end, moved = float(before.time.end), _displacements(before, now)
         gone = before.staged.removed + tuple(name for name in stage.remove if name in now.bodies)
-        leaves = before.staged.escapes or bool(exits_of(now.escape))
+        leaves = before.staged.escapes or bool(exits_of(now.outflow))
         rebonds = before.staged.rebonds or now.contact != before.contact
         now.__dict__["staged_as"] = Staged(
             number + 1,
@@ -109,7 +109,7 @@ def _counted(before: Case, stage: Stage) -> float:
     step = before.time.step if stage.step is None else stage.step
     if not isinstance(step, float | int):
         return 0.0
-    if stage.settle:  # its steps take no time
+    if stage.equilibrate:  # its steps take no time
         return float(before.time.end)
     return before.staged.counted if step == before.time.step else float(before.time.end)
 
@@ -170,9 +170,9 @@ def _relocated(item: Problem, stage: Stage, where: Path) -> Problem:
         changes = None
     if changes is not None or section in ("materials", "tractions", "contact", "output"):
         return item._replace(path=(*where, *item.path))
-    if section in ("boundaries", "escape") and len(item.path) > 1:
+    if section in ("boundaries", "outflow") and len(item.path) > 1:
         # The two conflict on a face: the stage changes the other one.
-        other = "escape" if section == "boundaries" else "boundaries"
+        other = "outflow" if section == "boundaries" else "boundaries"
         if item.path[1] in stage.changes.get(other, {}):
             path = (*where, other, item.path[1])
             return item._replace(path=path, text=f"{'.'.join(map(str, item.path))}: {item.text}")
@@ -192,7 +192,7 @@ def changes_of(stage: Stage) -> Iterator[str]:
         if section in ("remove", "add"):
             if value:
                 yield f"{section} {', '.join(value)}"
-        elif isinstance(value, Mapping) and section != "strength":
+        elif isinstance(value, Mapping) and section != "strength-reduction":
             for name, entry in value.items():
                 keys = entry if section == "materials" and isinstance(entry, Mapping) else [""]
                 yield from (f"{section}.{name}{'.' if key else ''}{key}" for key in keys)

@@ -46,7 +46,7 @@ def strength_problems(strength: Strength | None, materials: Mapping[str, Any]) -
     soils = [name for name, entry in materials.items() if _is_soil(entry)]
     if not soils:
         yield Problem(
-            ("strength",),
+            ("strength-reduction",),
             "divides cohesion and friction-angle, and no material has both: take mohr-coulomb or "
             "drucker-prager, or let the stage change a parameter (materials)",
         )
@@ -61,11 +61,11 @@ def strength_problems(strength: Strength | None, materials: Mapping[str, Any]) -
             )
         else:
             continue
-        yield Problem(("strength", "materials", i), text)
+        yield Problem(("strength-reduction", "materials", i), text)
     for name in strength.names(materials):
         if name in materials and materials[name].variations:
             yield Problem(
-                ("strength",),
+                ("strength-reduction",),
                 f"'{name}' varies in space: its parameters are the particles' own from the start, "
                 "and cannot change in a stage",
             )

@@ -66,10 +66,10 @@ def vertex_limit(case: Any) -> float | None:
     Else, with mean dilatation but for bodies exact to their surface, and for points, None.
     """
     method = case.method
-    if any(body.configuration != "initial" for body in case.bodies.values()):
+    if any(body.formulation != "total-lagrangian" for body in case.bodies.values()):
         return None
     exact = exact_surfaces(case)
-    if method.volumetric == "mean" and case.dimensions > 1 and not any(exact):
+    if method.volumetric == "b-bar" and case.dimensions > 1 and not any(exact):
         return None
     if exact and all(exact):
         return averaged_limit(case, EXACT_LIMIT)
@@ -117,6 +117,8 @@ def largest_courant(case: Any) -> float:
     if limit is not None:
         return limit
     limit = case.method.largest_courant(case.dimensions)
-    if not case.method.in_cell and any(b.configuration == "initial" for b in case.bodies.values()):
+    if not case.method.in_cell and any(
+        b.formulation == "total-lagrangian" for b in case.bodies.values()
+    ):
         limit = min(limit, EXACT_LIMIT)  # those have weights of cells
     return averaged_limit(case, limit)

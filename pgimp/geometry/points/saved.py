@@ -152,7 +152,7 @@ def _describe(file: Any, D: int, wanted: Wanted) -> Saved:
     if wanted.initial and str(about["configurations"][number]) != "initial":
         raise CaseError(
             f"'{chosen}' was in the current configuration, and its vertices have no motion to go "
-            f"on with: bodies.{wanted.body}.configuration: current"
+            f"on with: bodies.{wanted.body}.formulation: updated-lagrangian"
         )
     states, grid = dict[str, tuple[int, int]](), None
     if checkpoint:

@@ -66,7 +66,7 @@ class Heights(Enclosed):
     nodes: Nodes | None = Field(
         default=None, description="where the nodes of an array are; null: the file says it"
     )
-    part: Part | None = Field(
+    window: Part | None = Field(
         default=None,
         description="what of it is taken, in the coordinates of the case; null: all, of an .asc to "
         "the edges of its cells, of an array from the first to the last node",
@@ -80,7 +80,7 @@ class Heights(Enclosed):
     def misfits(self, dimensions: int) -> Iterator[tuple[tuple[str, ...], str]]:
         """See `Region.misfits`."""
         horizontal = dimensions - 1
-        for key in ("nodes", "part"):
+        for key in ("nodes", "window"):
             entry = getattr(self, key)
             for name in type(entry).model_fields if entry is not None else ():
                 if len(getattr(entry, name)) != horizontal:
@@ -98,16 +98,16 @@ class Heights(Enclosed):
         origin, spacing = (self.nodes.origin, self.nodes.spacing) if self.nodes else (None, None)
         move = np.zeros(self.dimensions) if self.translate is None else self.translate
         ends: list[tuple[float, float] | None] = [None, None]
-        if self.part is not None:
-            for d, pair in enumerate(zip(self.part.min, self.part.max, strict=True)):
+        if self.window is not None:
+            for d, pair in enumerate(zip(self.window.min, self.window.max, strict=True)):
                 low, high = ((end - move[d]) / self.scale for end in pair)
                 ends[d] = low, high
         try:
             found = read_heights(self.file, horizontal, origin, spacing, ends)
             axes = [self.scale * x + dx for x, dx in zip(found.axes, move[:-1], strict=True)]
             found = Grid(tuple(axes), self.scale * found.values + move[-1])
-            if self.part is not None:
-                found = part_of(found, self.part.min, self.part.max)
+            if self.window is not None:
+                found = part_of(found, self.window.min, self.window.max)
             return ground_below(found, self.bottom)
         except CaseError as error:
             named = f"{error}".startswith("cannot read ")  # with the file

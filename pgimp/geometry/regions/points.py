@@ -1,7 +1,7 @@
 """The user's own particles in place of lattice particles.
 
 Ids follow the rows. Masses are density times volume. If the shape has a size, all particles of a
-case start with the lattice's, from `particles_per_cell`.
+case start with the lattice's, from `particles-per-cell`.
 """
 
 from __future__ import annotations

@@ -11,7 +11,8 @@ import numpy as np
 from pgimp.errors import RunError
 from pgimp.mpi.collective import on_root
 from pgimp.mpi.communicator import Communicator
-from pgimp.storage.linereader import read
+from pgimp.schema.words.renamed import new_column
+from pgimp.storage import linereader
 from pgimp.storage.lines import LineFile
 
 __all__ = ["History", "read", "read_sums"]
@@ -23,6 +24,16 @@ SUMS = (
 )  # fmt: skip
 #: Sizes of numbers from which on sums of them may overflow.
 _HUGE = 1e300
+
+
+def read(path: Path) -> np.ndarray:
+    """Read a file of lines, also an older one, with the new names of columns.
+
+    See `pgimp.storage.linereader.read`.
+    """
+    found = linereader.read(path)
+    found.dtype.names = tuple(map(new_column, found.dtype.names or ()))
+    return found
 
 
 def read_sums(path: Path, dimensions: int = 1) -> np.ndarray:
@@ -67,6 +78,8 @@ class Diagnosed(Protocol):
 
 class History(LineFile):
     """Writes the run's diagnostics line by line."""
+
+    renamed = staticmethod(new_column)
 
     def write(self, sim: Diagnosed) -> None:
         """Write a line for the present state, unless it exists already; collective.

@@ -10,6 +10,7 @@ import numpy as np
 from pgimp.errors import UsageError
 from pgimp.physics.fields import components_of
 from pgimp.schema.messages import nearest
+from pgimp.schema.words.renamed import new_column
 from pgimp.terminal import escape
 
 if TYPE_CHECKING:
@@ -50,6 +51,7 @@ class Table(np.ndarray):
         """
         names = self.dtype.names
         if isinstance(key, str) and names is not None:
+            key = key if key in names else new_column(key)
             if key not in names:
                 raise KeyError(absent(f"column {key!r}", key, names))
             return np.asarray(super().__getitem__(key))

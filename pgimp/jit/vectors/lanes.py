@@ -103,3 +103,9 @@ def and_positive(mask, margin):
     if is_vector(margin):
         return mask & (margin > 0.0)
     return mask
+
+
+@inlined
+def sum_of(vector):
+    """Sum of the elements of a vector of four."""
+    return (lane(vector, 0) + lane(vector, 1)) + (lane(vector, 2) + lane(vector, 3))

@@ -102,6 +102,6 @@ def layer_power(loads, setting, field, particles, rows, span, layer, booking):
             loads.tractions, setting, field, particles, rows, span, layer, booking
         )
     if len(loads.surfaces) > 0:
-        own = Booking(booking.dt, booking.impulse, faces)
+        own = Booking(booking.dt, booking.impulse, faces, booking.half)
         power += surface_power(loads.surfaces, setting, field, particles, rows, span, layer, own)
     return power

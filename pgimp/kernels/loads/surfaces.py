@@ -273,6 +273,6 @@ def surface_power(loads, setting, field, particles, rows, span, layer, booking):
             offset += field_of(window, particles, p)
             planes, layout = (G, start + offset, window.stride), (shape, frame)
             book_force(booking, layer - window.lower[0], t, f)
-            half, support = half_step(loads[t].follows, booking.dt), Support(buffer, 0)
+            half, support = half_step(loads[t].follows, booking.half), Support(buffer, 0)
             power += _power(loads[t], layout, particles, p, (part, f), planes, support, half)
     return power

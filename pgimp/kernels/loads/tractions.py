@@ -187,21 +187,22 @@ def scatter_tractions(tractions, setting, field, particles, rows, span, layer):
 
 
 @inner_kernel
-def half_step(follows, dt):
-    """Half of the step `dt` if a load follows its surface, else 0.
+def half_step(follows, half):
+    """Half of the step, `half`, if a load follows its surface, else 0.
 
     A load that keeps its direction does the work force times displacement, with the velocity of the
     end. One that turns with a body would so lose work in every step: its velocity is the mean one.
     """
-    return 0.5 * dt if follows else 0.0
+    return half if follows else 0.0
 
 
 class Booking(NamedTuple):
     """Where a step books the impulses of loads."""
 
-    dt: float  #: Length of the step.
+    dt: float  #: Time for which the loads act.
     impulse: np.ndarray  #: (planes, tractions, 3) float64: See `Ledger.traction_impulse`.
     first: int  #: Row of the first load.
+    half: float  #: See `half_step`.
 
 
 @inner_kernel
@@ -235,7 +236,7 @@ def traction_power(tractions, setting, field, particles, rows, span, layer, book
             support, at = Support(buffer, 0), start + offset
             like = frame.origin
             U, A = gather_products(shape, G, support, at, window.stride, like, (), ())[:2]
-            u = U - half_step(tractions[t].follows, booking.dt) * A
+            u = U - half_step(tractions[t].follows, booking.half) * A
             book_force(booking, layer - window.lower[0], t, f)
             power += f[0] * lane(u, 1) + f[1] * lane(u, 2) + f[2] * lane(u, 3)
     return power

@@ -1,6 +1,5 @@
 """Grid to particles: positions and velocities (26, 27), deformation (29, 30), volume and stress."""
 
-from pgimp.jit.algebra import determinant
 from pgimp.jit.kernel import is_empty, kernel
 from pgimp.jit.vectors.simd import lane, stack, vector
 from pgimp.kernels.contact.hold import project_out
@@ -10,8 +9,9 @@ from pgimp.kernels.loads.body_forces import FORCES, add_force_power, book_shifts
 from pgimp.kernels.loads.loads import layer_power
 from pgimp.kernels.loads.tractions import Booking
 from pgimp.kernels.step.checks import check, limits_of
+from pgimp.kernels.step.stress import stress_particles
 from pgimp.kernels.transfer.gather_shared import take_from_grid
-from pgimp.kernels.transfer.lane_io import LANES, four_rows, put, put_row, take
+from pgimp.kernels.transfer.lane_io import LANES, four_rows, put_row
 from pgimp.kernels.transfer.mean_dilatation_weights import keep_means
 from pgimp.kernels.transfer.supports import SUPPORT_SIZE, supports
 from pgimp.kernels.transfer.transpose import SUMS
@@ -22,12 +22,10 @@ from pgimp.kernels.update.mean_dilatation_lagrangian import (
     keep_mean_lagrangian,
     take_mean_lagrangian,
 )
-from pgimp.kernels.update.phases import rest_of_strain
+from pgimp.kernels.update.phases import rest_of_strain, way_of, weight_power
 from pgimp.kernels.update.speed import grid_speed
-from pgimp.kernels.update.stress import keep_state, margins, materials_of, update_stress
-from pgimp.kernels.update.varying import substitute_parameters
+from pgimp.kernels.update.stress import margins, materials_of
 from pgimp.kernels.update.velocity import update_position, update_velocity
-from pgimp.kernels.update.viscosity import update_viscous_pressure
 
 
 @kernel
@@ -72,6 +70,7 @@ def grid_to_particles(
     for d in range(len(frame.inverse)):
         inverse = max(inverse, frame.inverse[d])
     limits = limits_of(setting, forcing, inverse)
+    acting, half = way_of(forcing)
     fastest = vector(0.0)
     buffer = stack(SUPPORT_SIZE)
     weights = stack(SUPPORT_SIZE)
@@ -80,7 +79,7 @@ def grid_to_particles(
     for layer in layers:
         number = layer + window.lower[0]
         span = (start[layer], start[layer + 1])
-        booking = Booking(dt, ledger.traction_impulse, 0)
+        booking = Booking(acting, ledger.traction_impulse, 0, half)
         power = layer_power(loads, setting, field, particles, order.rows, span, number, booking)
         for k in range(start[layer], start[layer + 1], LANES):
             rows = four_rows(order.rows, k, start[layer + 1])
@@ -93,6 +92,8 @@ def grid_to_particles(
                 (shape, frame), field, loads.mean, four, buffer, sums
             )
             power = add_force_power(loads.force, frame, particles, four, u, forces, power)
+            if not is_empty(forcing.phase):
+                power = weight_power(forcing.gravity, particles, rows, count, u, power)
             u, v = update_velocity(frame, forcing, particles, four, (u, a, hoop), ledger)  # (27)
             moved_to = update_position(forcing, particles, four, u)  # (26)
             if is_empty(forcing.phase):
@@ -110,20 +111,11 @@ def grid_to_particles(
             x, F, v = refill(
                 forcing, setting, field, particles, four, (buffer, sums), (moved_to, F, v), ledger
             )
-            J = determinant(F)
-            own = substitute_parameters(setting, particles, rows)
-            sigma, state = update_stress(own, left, particles, rows, m, F, J, L)
+            own, J, sigma, state, extra = stress_particles(setting, left, particles, rows, m, F, L)
             put_row(particles.x, rows, 0, x)
             put_row(particles.v, rows, 0, v)
             put_row(particles.F, rows, 0, F)
             x, v = project_out(forcing.limits, forcing, particles, four, x, v, ledger)
-            put_row(particles.sigma, rows, 0, sigma)
-            keep_state(particles, rows, state)
-            if setting.tracked:
-                put(particles.V, rows, J * take(particles.V0, rows))
-            extra = update_viscous_pressure(  # (45)
-                loads.viscosity, own, m, particles, rows, F, J, L
-            )
             if forcing.controlled:
                 c = grid_speed(own, forcing.controlled, m, (v, F, J, state), inverse, extra)
                 fastest = max(c * inverse, fastest)
@@ -131,7 +123,7 @@ def grid_to_particles(
             found = (u, v, x, F, J, state, margin)
             counts = check(limits, field, particles, four, found, report, ledger, counts)
             book_shifts(loads.force, forces, particles, four, moved_to, ledger)
-        work[layer] += dt * power
+        work[layer] += acting * power
     failed, outflow, moved, clamped, held = counts
     rate = max(max(lane(fastest, 0), lane(fastest, 1)), max(lane(fastest, 2), lane(fastest, 3)))
     return failed, outflow, moved, rate, clamped, held

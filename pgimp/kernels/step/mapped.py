@@ -20,6 +20,8 @@ from pgimp.kernels.transfer.scatter import Share
 from pgimp.kernels.transfer.supports import supports
 from pgimp.kernels.transfer.transpose import SUMS
 from pgimp.kernels.update.affine import affine_momentum, keep_gradients, when_moved
+from pgimp.kernels.update.phases import weight_power
+from pgimp.physics.shapes.base import by_corners, by_parts
 
 
 class Carriers(NamedTuple):
@@ -40,6 +42,10 @@ class MappedMomentum(NamedTuple):
     #: (capacity, D*D) float64: With `affine` set to their gradients. Those of the particles are set
     #: to them as moved.
     L: np.ndarray
+    gravity: tuple[float, float, float]  #: See `Forcing`.
+    #: (planes,) float64: The work of loads. That of gravity by the vertices' velocities is taken
+    #: back: particles move by others.
+    work: np.ndarray
 
     @staticmethod
     def supports(quantity, shape, frame, window, particles, rows, layer, buffer):
@@ -50,6 +56,9 @@ class MappedMomentum(NamedTuple):
         u, a, grad, held, _ = take_from_grid(
             (shape, frame), quantity.field, (), four, buffer, stack(SUMS)
         )
+        count = 1 + (rows[1] != rows[0]) + (rows[2] != rows[1]) + (rows[3] != rows[2])
+        power = weight_power(quantity.gravity, particles, rows, count, u, 0.0)
+        quantity.work[four.layer] -= dt * power
         v = plus_scaled(dt, a, take_row(particles.v, rows, 0, u))
         put_row(quantity.v, rows, 0, relaxed(quantity.relaxation, dt, v, u))
         keep_gradients(affine, quantity, rows, grad, held)
@@ -61,10 +70,12 @@ class MappedMomentum(NamedTuple):
         m = particles.m[p]
         A = pack(m, *three(scaled(m, read(quantity.v, p, 0, frame.origin))))
         C = affine_momentum(quantity.affine, frame, Carriers(particles.m, quantity.L), p)
-        return Share(A, (), _zeros(frame.origin), C, (), ())
+        return Share(A, (), _no_force(shape, frame.origin), C, (), ())
 
 
 @inlined
-def _zeros(like):
-    """A zero vector for each direction."""
-    return tuple(vector(0.0) for _ in range(len(like)))
+def _no_force(shape, like):
+    """No force along each direction: as () where weights are products by direction."""
+    if by_corners(shape) or by_parts(shape):
+        return tuple(vector(0.0) for _ in range(len(like)))
+    return tuple(() for _ in range(len(like)))

@@ -20,7 +20,9 @@ class Share(NamedTuple):
     #: Vec4 or (): Mass and momentum; a vertex gets the part S_vp, see `contribution`.
     A: NumbaObject
     B: NumbaObject  #: Vec4 or (): Force; a vertex gets the part S_vp, see `weight`.
-    S: tuple  #: tuple of D Vec4: Force along each direction i times dS_vp/dx_i, see `contribution`.
+    #: tuple of D Vec4 or of D (): Force along each direction i times dS_vp/dx_i, see
+    #: `contribution`.
+    S: tuple
     #: tuple of D Vec4 or (): Momentum times S_vp and the arm along each direction, see
     #: `affine_momentum`.
     C: tuple
@@ -52,8 +54,26 @@ def _add(G, offset, w, A, e, C):
 
 
 @inlined
+def _add_force(G, offset, force):
+    """Add a force to the vector at `offset`; nothing where it is ()."""
+    if is_empty(force):
+        return None
+    store(G, offset, load(G, offset) + force)
+
+
+@inlined
+def _slopes(w, S):
+    """The forces w S; S if they are ()."""
+    if len(S) == 0 or is_empty(S[0]):
+        return S
+    return scaled(w, S)
+
+
+@inlined
 def _force(w, B, g, S):
-    """The vector w B + g S, g S where B is ()."""
+    """The vector w B + g S, with () for those that are not there."""
+    if is_empty(S):
+        return () if is_empty(B) else w * B
     if is_empty(B):
         return g * S
     return w * B + g * S
@@ -72,8 +92,7 @@ def _scatter_line(G, offset, step, w, g, e, f, share):
     """Add a particle to a line of vertices, which are `step` apart."""
     A, B, S, C, M, _ = share
     _add(G, offset, w[0], A, e[0], C)
-    more = plus_factored(f[0], M, _force(w[0], B, g[0], S[0]))
-    store(G, offset + 4, load(G, offset + 4) + more)
+    _add_force(G, offset + 4, plus_factored(f[0], M, _force(w[0], B, g[0], S[0])))
     if len(w) > 1:
         _scatter_line(G, offset + step, step, w[1:], g[1:], e[1:], f[1:], share)
 
@@ -94,7 +113,7 @@ def _scatter_lines(G, support, d, offset, counts, stride, Z, what):
         part = Share(
             _sloped(w, A, e, C),
             _plus_hoop(buffer, i, j, H, _force(w, B, g, S[0])),
-            scaled(w, S[1:]),
+            _slopes(w, S[1:]),
             scaled(w, C[1:]),
             factored(factor(M, H, buffer, d, i, j), M),
             (),

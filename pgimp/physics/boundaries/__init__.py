@@ -10,15 +10,15 @@ from pgimp.physics.boundaries.absorbing import Absorbing
 from pgimp.physics.boundaries.base import Boundary
 from pgimp.physics.boundaries.fixed import Fixed
 from pgimp.physics.boundaries.periodic import Periodic
-from pgimp.physics.boundaries.separating import Separating
 from pgimp.physics.boundaries.slip import Slip
+from pgimp.physics.boundaries.unilateral import Unilateral
 from pgimp.physics.boundaries.velocity import Velocity
 
 #: The conditions by their name in the case, ``boundaries: {FACE: NAME}``.
 BOUNDARIES: dict[str, type[Boundary]] = {
     "fixed": Fixed,
     "slip": Slip,
-    "separating": Separating,
+    "unilateral": Unilateral,
     "velocity": Velocity,
     "periodic": Periodic,
     "absorbing": Absorbing,

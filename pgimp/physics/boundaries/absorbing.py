@@ -19,8 +19,9 @@ class Absorbing(Boundary):
 
     held: Literal["slip", "fixed"] = Field(
         default="slip",
-        description="the condition on the face while the run settles (start.settle); its reaction "
-        "stays then, as a constant force",
+        alias="static-force",
+        description="the condition on the face while the run comes to rest (start.equilibrate); "
+        "its reaction stays then, as a constant force",
     )
 
     absorbs: ClassVar[bool] = True

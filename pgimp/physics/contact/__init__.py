@@ -10,4 +10,4 @@ from pgimp.physics.contact.ignore import Ignore
 from pgimp.physics.contact.tied import Tied
 
 #: The laws by their name in the case, ``law: NAME`` or ``law: {NAME: ...}``.
-LAWS: dict[str, type[ContactLaw]] = {"friction": Coulomb, "tied": Tied, "ignore": Ignore}
+LAWS: dict[str, type[ContactLaw]] = {"friction": Coulomb, "tie": Tied, "ignore": Ignore}

@@ -30,8 +30,9 @@ class Adhesion(Model):
         "factor sqrt(1 - (t/normal)^2) [force/area]",
     )
     reach: Annotated[Number, Field(gt=0.0)] = Field(
+        alias="range",
         description="gap up to which they hold; `normal` times this is the energy that it takes "
-        "to part them, per area [length]"
+        "to part them, per area [length]",
     )
 
     @model_validator(mode="after")

@@ -50,8 +50,8 @@ class Solution(Model):
             text = "the exact solution is that of a uniform body; give a number"
             yield Problem(("materials", body.material, *keys), text)
         yield from self.wrong_walls(case.boundaries)
-        for key in ("body_force", "water", "tractions", "constraints"):
-            if getattr(case, key, None):
+        for key in ("body-force", "water", "tractions", "constraints"):
+            if getattr(case, key.replace("-", "_"), None):
                 yield Problem((key,), "the exact solution has none; leave this out")
         for rigid_body in case.rigid_bodies:
             yield Problem(

@@ -120,6 +120,7 @@ class PlaneWave(Solution):
     along: Literal["x", "y", "z"] = Field(default="x", description="direction of the wave")
     swing: Literal["x", "y", "z"] = Field(
         default="x",
+        alias="polarization",
         description="direction of the displacement: `along` for a longitudinal wave, another one "
         "for a shear wave",
     )
@@ -127,9 +128,10 @@ class PlaneWave(Solution):
         description="greatest displacement [length]; longitudinal waves of the neo-Hookean solid "
         "are exact to first order in it"
     )
-    waves: Count = Field(default=1, description="wavelengths in the domain")
+    waves: Count = Field(default=1, alias="wavenumber", description="wavelengths in the domain")
     drift: tuple[Number, ...] = Field(
         default=(),
+        alias="velocity",
         max_length=3,
         description="uniform velocity of the body besides, by direction; none by default "
         "[length/time]",
@@ -151,15 +153,15 @@ class PlaneWave(Solution):
         """The body fills the domain; directions exist."""
         yield from no_gravity(case)
         D, path = case.dimensions, ("exact", "plane-wave")
-        for key in ("along", "swing"):
-            if _AXES.index(getattr(self, key)) >= D:
+        for key, axis in (("along", self.along), ("polarization", self.swing)):
+            if _AXES.index(axis) >= D:
                 yield Problem((*path, key), f"the case has {D} dimensions: {', '.join(_AXES[:D])}")
         for face in faces(D):
             if face not in case.boundaries:
                 text = "missing; the exact solution has no faces: periodic"
                 yield Problem(("boundaries", face), text, True)
         if self.drift and len(self.drift) != D:
-            yield Problem((*path, "drift"), f"expected {D} entries, one a direction")
+            yield Problem((*path, "velocity"), f"expected {D} entries, one a direction")
         ends = (case.grid.origin, case.grid.corner)
         fills = isinstance(body.region, Box) and all(
             abs(a - b) <= WHOLE * size

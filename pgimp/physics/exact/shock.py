@@ -47,7 +47,7 @@ class Shock(BarSolution):
     @property
     def walls(self) -> Mapping[str, tuple[str, ...]]:
         """See `Solution.walls`."""
-        return {"x-min": (*HOLDS, "separating")}
+        return {"x-min": (*HOLDS, "unilateral")}
 
     def unlike(self, case: Any, name: str, velocity: float, bar: Bar) -> Iterator[Problem]:
         """The bar must fly at the wall, slower than sound, and the run end before it leaves it."""

@@ -15,7 +15,7 @@ from pgimp.physics.loads.own_force import OwnForce
 from pgimp.physics.loads.rotating_frame import RotatingFrame
 from pgimp.schema.time_functions import FORMS
 
-#: The body forces by their name in the case, ``body_force: {NAME: {...}}``.
+#: The body forces by their name in the case, ``body-force: {NAME: {...}}``.
 BODY_FORCES: dict[str, type[BodyForceEntry]] = {
     "rotating-frame": RotatingFrame,
     "function": OwnForce,

@@ -9,7 +9,7 @@ from pgimp.schema.sizes import Problems, length
 
 
 class BodyForceEntry(Model):
-    """Base of the entries ``body_force``."""
+    """Base of the entries ``body-force``."""
 
     @property
     def initial(self) -> bool:

@@ -16,7 +16,10 @@ class Shape(Model):
     """Base of the entries ``method``."""
 
     particles_per_cell: tuple[Count, ...] = Field(
-        default=(), description="particles per cell along each direction", json_schema_extra=chosen
+        default=(),
+        alias="particles-per-cell",
+        description="particles per cell along each direction",
+        json_schema_extra=chosen,
     )
 
     relaxation: Annotated[
@@ -24,11 +27,12 @@ class Shape(Model):
         Either("a rate from 0 on or auto", {float: NonNegative, str: Literal["auto"]}),
     ] = Field(
         default="auto",
-        description="rate at which particles' velocities relax to the grid's: damps noise that "
-        "the grid cannot resolve, and slightly also motion that it can; 0: none; auto: of loose "
-        "soil and grains, in the current configuration, 0.002 c/h to the body's own motion, with "
-        "the speed of waves c and the least side h of a cell; where all bodies are liquids, 0.01 "
-        "nu/h^2 with the least kinematic viscosity nu, none below 1e-5 c/h [1/time]",
+        alias="pic-damping",
+        description="rate at which particles' velocities relax to the grid's (PIC): damps noise "
+        "that the grid cannot resolve, and slightly also motion that it can; 0: none; auto: of "
+        "loose soil and grains, in the current configuration, 0.002 c/h to the body's own motion, "
+        "with the speed of waves c and the least side h of a cell; where all bodies are liquids, "
+        "0.01 nu/h^2 with the least kinematic viscosity nu, none below 1e-5 c/h [1/time]",
     )
 
     affine: bool = Field(
@@ -40,12 +44,13 @@ class Shape(Model):
         "the components held there, which would create energy",
     )
 
-    volumetric: Literal["pointwise", "mean"] = Field(
+    volumetric: Literal["pointwise", "b-bar"] = Field(
         default="pointwise",
         description="rate of volume change that particles see: pointwise, the divergence of the "
-        "grid's velocity at their place; mean, that of the cells in which their boxes lie, each "
-        "cell having one: nearly incompressible and plastic materials then do not lock. For boxes "
-        "(gimp, finite-gimp, cpdi), in either configuration; in 1D it makes no difference",
+        "grid's velocity at their place; b-bar, that of the cells in which their boxes lie, each "
+        "cell having one, the mean: nearly incompressible and plastic materials then do not lock. "
+        "For boxes (gimp, finite-gimp, cpdi), in either configuration; in 1D it makes no "
+        "difference",
     )
 
     stress: StressOrder = STRESS
@@ -110,7 +115,7 @@ class Shape(Model):
         how = "affine" if self.affine else ""
         known = self.limits.get(how) or LIMITS.get(f"{self.name}{how and ', affine'}", {})
         found = known.get(dimensions) or known.get(dimensions - 1)  # nearly the same in 2D and 3D
-        averages = self.volumetric == "mean" and dimensions > 1
+        averages = self.volumetric == "b-bar" and dimensions > 1
         if found is None or averages or (self.stress == "average" and not self.affine):
             return self.stable
         most = max(self.particles_per_cell)

@@ -19,7 +19,7 @@ Array = np.ndarray
 AXES = "xyz"
 
 #: Columns of energies that material brought along, and took along.
-_CAME, _LEFT = ("added", "inflow"), ("escaped", "removed")
+_CAME, _LEFT = ("added", "inflow"), ("outflow", "removed")
 #: Columns of what took energy, by pattern, and its name in the book. What is left is the method's.
 _TAKEN = (
     ("plastic-work", "plastic flow"),
@@ -171,7 +171,7 @@ def momentum_books(
         *("tractions" for one in stages if one.tractions),
         *("a body force" for one in stages if one.body_force is not None),
         *("water in the ground" for one in stages if one.water is not None),
-        *("steps that settle" for one in stages if one.start.settle),
+        *("steps that settle" for one in stages if one.start.equilibrate),
         *("axisymmetric rings" for one in stages if one.axisymmetric),
         *(
             "gravity, whose function has changed since the run began"
@@ -200,14 +200,14 @@ def _impulses(case: Case, history: Array, axis: int) -> Iterator[tuple[str, floa
     names, times, end = history.dtype.names or (), np.asarray(history["time"]), f"-{AXES[axis]}"
     spans = np.diff(times)
     for name in names:
-        force = re.fullmatch(r"((reaction|constraint)\.(.*)|tool\.(.*)\.force)" + end, name)
+        force = re.fullmatch(r"((reaction|constraint)\.(.*)|rigid\.(.*)\.force)" + end, name)
         if force:
-            sign = -1.0 if name.startswith("tool.") else 1.0
+            sign = -1.0 if name.startswith("rigid.") else 1.0
             label = f"rigid body '{force[4]}'" if force[4] else f"{force[2]} {force[3]}"
             yield label, sign * float(_known(history[name])[1:] @ spans)
     if (weight := _weight(case, history, axis)) is not None:
         yield "gravity", weight
-    for label, sign in (("inflow", 1.0), ("added", 1.0), ("escaped", -1.0), ("removed", -1.0)):
+    for label, sign in (("inflow", 1.0), ("added", 1.0), ("outflow", -1.0), ("removed", -1.0)):
         if f"{label}.momentum{end}" in names:
             values = _known(history[f"{label}.momentum{end}"])
             yield f"{label} material", sign * float(values[-1] - values[0])

@@ -86,7 +86,7 @@ def of_history(case: Case, history: Array, edited: Collection[str] = ()) -> Iter
     scale = max((book.scale for book in books), default=0.0)
     if scale > 0.0:
         yield Indicator("momentum", max(abs(book.rest) for book in books) / scale)
-    past = [history[name] for name in names if name.startswith("beyond.")]
+    past = [history[name] for name in names if name.startswith("overlap-mass.")]
     mass = np.asarray(history["mass"], float)
     if past and (mass > 0.0).any():
         most = np.max(np.nan_to_num(past), axis=0)[mass > 0.0] / mass[mass > 0.0]
@@ -134,7 +134,7 @@ def of_case(case: Case, boxes: Boxes, courant: Any = None) -> Iterator[Indicator
             yield Indicator("cells", across, name)
     for name, ratio in locked(case):
         yield Indicator("locked", ratio, name)
-    if any(body.configuration == "current" for body in case.bodies.values()):
+    if any(body.formulation == "updated-lagrangian" for body in case.bodies.values()):
         if not case.method.ends and not case.method.is_point:
             yield Indicator("per-cell", float(min(case.method.particles_per_cell)))
 
@@ -199,7 +199,7 @@ def _flows(case: Case, name: str) -> bool:
 
 
 def _is_current(case: Case, name: str) -> bool:
-    return name in case.bodies and case.bodies[name].configuration == "current"
+    return name in case.bodies and case.bodies[name].formulation == "updated-lagrangian"
 
 
 def _stretched(case: Case, state: BodyState) -> Iterator[Indicator]:

@@ -35,8 +35,8 @@ class Rule(NamedTuple):
         method = None if case is None else case.method
         if method is not None and method.affine:
             parts = [part for part in parts if not part.startswith("method.affine: true")]
-        if method is not None and method.volumetric == "mean":
-            parts = [part for part in parts if not part.startswith("method.volumetric: mean")]
+        if method is not None and method.volumetric == "b-bar":
+            parts = [part for part in parts if not part.startswith("method.volumetric: b-bar")]
         return "; ".join(parts)
 
     def beyond(self, value: float) -> str:
@@ -66,7 +66,7 @@ RULES = {
         "hard-cases.md#the-largest-stable-steps", "time.step: {courant: 0.2}; smaller cells",
         of=_GREATEST),
     "lost": Rule("energy lost by the method", 0.05, "%", "methods.md#reasons",
-        "smaller cells; method.affine: true; configuration: initial for elastic bodies",
+        "smaller cells; method.affine: true; formulation: total-lagrangian for elastic bodies",
         of=_GREATEST),
     "momentum": Rule("momentum that no force explains", 0.01, "%", "report.md#books",
         "more lines of the history (history.every)"),
@@ -77,17 +77,18 @@ RULES = {
     "cells": Rule("cells across", 8.0, "", "hard-cases.md#locking", "smaller cells (grid.cell)",
         least=True),
     "locked": Rule("Poisson's ratio with pointwise volumes", 0.45, "", "hard-cases.md#locking",
-        "method.volumetric: mean"),
+        "method.volumetric: b-bar"),
     "per-cell": Rule("particles a cell and direction", 2.0, "", "methods.md#reasons",
-        "method.particles_per_cell: 2 in each direction", least=True),
+        "method.particles-per-cell: 2 in each direction", least=True),
     "stretch": Rule("stretch of boxes", 1.5, "", "hard-cases.md#reasons",
-        "method.shape: cpdi, or configuration: initial: the body may tear where it should not"),
+        "method.shape: cpdi, or formulation: total-lagrangian: the body may tear where it should "
+        "not"),
     "size": Rule("strain of boxes that keep their size", 0.15, "%", "methods.md#reasons",
         "method.shape: finite-gimp"),
     "frozen": Rule("possibly frozen energy", 0.03, "%", "hard-cases.md#frozen-stress",
-        "an entry of contact for bodies that meet; configuration: initial"),
+        "an entry of contact for bodies that meet; formulation: total-lagrangian"),
     "stripes": Rule("stress that varies within cells", 0.2, "%", "hard-cases.md#locking",
-        "read means over cells; method.volumetric: mean for solids"),
+        "read means over cells; method.volumetric: b-bar for solids"),
     "noise": Rule("pressure that varies within cells", 0.2, "%", "limits.md#further-limits",
         "read means over cells, and over some hundredths of a second"),
     "walls": Rule("mass past walls", 1e-3, "%", "limits.md#further-limits",

@@ -1,4 +1,4 @@
-"""The initial particles: on a lattice of `particles_per_cell` points a cell, where bodies are.
+"""The initial particles: on a lattice of `particles-per-cell` points a cell, where bodies are.
 
 Particles are made slab by slab. First every rank counts the particles of its share of the
 lattice's planes. After the counts are shared, each rank makes the particles of its own layers only

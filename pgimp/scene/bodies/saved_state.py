@@ -42,7 +42,10 @@ def checkpoint_attributes(scene: Scene, fields: Sequence[int]) -> dict[str, obje
         ]
         states.append(" ".join(f"{n}:{first}:{width}" for n, first, width in found if first >= 0))
     return saved_attributes(scene) | {
-        "configurations": [body.configuration for body in scene.case.bodies.values()],
+        "configurations": [
+            "initial" if body.formulation == "total-lagrangian" else "current"
+            for body in scene.case.bodies.values()
+        ],
         "states": states,
         "origin": np.array(frame.origin, float),
         "cell": np.array(frame.cell, float),

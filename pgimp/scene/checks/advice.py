@@ -48,7 +48,7 @@ def _configuration(case: Case, bodies: Sequence[BodyFacts]) -> list[str]:
     """
     if not all(_fits(case, body) for body in case.bodies.values()):
         return []
-    if case.escape or nearness.meet(case):
+    if case.outflow or nearness.meet(case):
         return []
     if "contact" in case.output.grid:
         return []
@@ -62,8 +62,9 @@ def _configuration(case: Case, bodies: Sequence[BodyFacts]) -> list[str]:
     them = "it moves or deforms" if len(moved) == 1 else "they move or deform"
     dear = "; a step takes longer while they are in touch" if _hit(case) else ""
     return [
-        f"bodies: {_listed(moved)}: elastic, and {them}: with configuration: initial vibrations "
-        f"and spin last, nothing can tear, and steps need not be shorter as bodies move{dear}"
+        f"bodies: {_listed(moved)}: elastic, and {them}: with formulation: total-lagrangian "
+        "vibrations and spin last, nothing can tear, and steps need not be shorter as bodies "
+        f"move{dear}"
     ]
 
 
@@ -109,7 +110,7 @@ def _liquid(case: Case) -> Iterator[str]:
     for name, face in case.boundaries.items():
         if face.releases and case.gravity is not None:
             yield (
-                f"boundaries.{name}: separating: liquids crowd at walls that let go: in ten "
+                f"boundaries.{name}: unilateral: liquids crowd at walls that let go: in ten "
                 "periods of sloshing 3.6 % of the level are lost, at slip ones 0.05 %; what a "
                 "slip wall pulls is cut off by the liquid itself, which has no tension"
             )
@@ -121,7 +122,7 @@ def _spin(case: Case) -> Iterator[str]:
         name
         for name, body in case.bodies.items()
         if isinstance(body.velocity, RigidMotion)
-        and body.configuration == "current"
+        and body.formulation == "updated-lagrangian"
         and np.linalg.norm(body.velocity.rotation.rate) * case.time.end > _TURN
     ]
     if turning and not case.method.affine:
@@ -133,7 +134,7 @@ def _spin(case: Case) -> Iterator[str]:
 
 def _idle(case: Case) -> Iterator[str]:
     """Advise on transfer options of particles' velocities where no particle carries one."""
-    if any(body.configuration == "current" for body in case.bodies.values()):
+    if any(body.formulation == "updated-lagrangian" for body in case.bodies.values()):
         return
     used = {"affine": case.method.affine, "relaxation": case.method.relaxation not in (0.0, "auto")}
     idle = [f"method.{name}" for name, on in used.items() if on]
@@ -180,7 +181,7 @@ def _hit(case: Case) -> bool:
 
 
 def _current(case: Case, name: str) -> bool:
-    return case.bodies[name].configuration == "current"
+    return case.bodies[name].formulation == "updated-lagrangian"
 
 
 def _listed(names: Sequence[str]) -> str:
@@ -189,4 +190,4 @@ def _listed(names: Sequence[str]) -> str:
 
 def _fits(case: Case, body: Body) -> bool:
     """Whether a body is elastic and in the current configuration."""
-    return body.configuration == "current" and case.materials[body.material].ELASTIC
+    return body.formulation == "updated-lagrangian" and case.materials[body.material].ELASTIC

@@ -34,7 +34,7 @@ def unquiet(case: Case) -> Iterator[Warned]:
     """Yield warnings of weight that absorbing faces do not bear, of the first stage."""
     start = case.start
     if (
-        start.settle is not None
+        start.equilibrate is not None
         or start.stress is not None
         or not np.any(greatest(case.gravity, case.dimensions))
     ):
@@ -48,5 +48,6 @@ def unquiet(case: Case) -> Iterator[Warned]:
                 "absorbing-weight",
                 f"boundaries.{face}: an absorbing face bears what presses on it as the run begins, "
                 "and there is no stress then: under gravity the material pushes it outwards and "
-                "creeps; with start: {settle: {}} or {stress: {k0: ..}} the run begins at rest",
+                "creeps; with start: {equilibrate: {}} or {stress: {k0: ..}} the run begins at "
+                "rest",
             )

@@ -36,7 +36,7 @@ def locking(case: Case, poisson: Mapping[str, float] | None = None) -> Iterator[
             "locking",
             f"materials.{name}.poisson: {ratio:g} is nearly incompressible, and {_named(bodies)} "
             "will be too stiff, the more so the closer to 0.5 it is (locking); "
-            f"method.volumetric: mean keeps it from that{_boxes(case)}",
+            f"method.volumetric: b-bar keeps it from that{_boxes(case)}",
         )
 
 
@@ -62,7 +62,7 @@ def stripes(case: Case, poisson: Mapping[str, float] | None = None) -> Iterator[
         yield (
             f"materials.{name}: {_named(bodies)} {flow} plastically, where particles of one cell "
             "get different pressures (stripes of stress) and too much strength (locking); "
-            f"method.volumetric: mean keeps it from that{_boxes(case)}"
+            f"method.volumetric: b-bar keeps it from that{_boxes(case)}"
         )
 
 
@@ -75,7 +75,7 @@ def _named(bodies: list[str]) -> str:
 def _pointwise(case: Case) -> Iterator[tuple[str, str, Material]]:
     """Bodies with pointwise volumes, with their material and its name."""
     method = case.method
-    if case.dimensions == 1 or method.volumetric == "mean" or not method.locks:
+    if case.dimensions == 1 or method.volumetric == "b-bar" or not method.locks:
         return
     for body, entry in case.bodies.items():
         yield body, entry.material, case.materials[entry.material]

@@ -53,7 +53,7 @@ def warnings(case: Case, rigid_bodies: SceneRigidBodies | None = None) -> list[W
     """
     boxes = moving_boxes(case, times := instants(case))
     walls = _walls(case, boxes, at_once=True)
-    lagrangian = [body.configuration == "initial" for body in case.bodies.values()]
+    lagrangian = [body.formulation == "total-lagrangian" for body in case.bodies.values()]
     tied = _tied(case, boxes, times, rigid_bodies)
     if not any(lagrangian):
         return [*_pairs(case, boxes, times), *walls, *tied]
@@ -65,7 +65,7 @@ def warnings(case: Case, rigid_bodies: SceneRigidBodies | None = None) -> list[W
 
 def notes(case: Case) -> list[Warned]:
     """Return notes on bodies that come near walls; as `warnings`."""
-    lagrangian = [body.configuration == "initial" for body in case.bodies.values()]
+    lagrangian = [body.formulation == "total-lagrangian" for body in case.bodies.values()]
     boxes = moving_boxes(case, instants(case))
     boxes = [box for box, initial in zip(boxes, lagrangian, strict=True) if not initial]
     return list(_walls(case, boxes, at_once=False))
@@ -125,7 +125,7 @@ def _held(case: Case, boxes: list[Box]) -> Iterator[Warned]:
             "wall-coming",
             f"{face}: {who.partition(' may come')[0]} may come to the wall, which in the initial "
             "configuration holds what lies on it at the start: the run then stops; take "
-            "separating, or configuration: current",
+            "unilateral, or formulation: updated-lagrangian",
         )
 
 

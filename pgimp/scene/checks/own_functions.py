@@ -21,7 +21,7 @@ _SMALL = 1e-9
 def asks(scene: Scene) -> list[str]:
     """Keys of the functions whose values at the particles are required."""
     force, exact = scene.case.body_force, scene.case.exact
-    found = ["body_force"] if isinstance(force, OwnForce) else []
+    found = ["body-force"] if isinstance(force, OwnForce) else []
     found += ["exact"] if isinstance(exact, OwnSolution) else []
     fields = scene.interaction.loads.velocity_fields
     entries = scene.case.constraints.items() if fields else ()
@@ -61,7 +61,7 @@ def _require(scene: Scene, x: np.ndarray) -> None:
     if isinstance(force, OwnForce):
         values = np.zeros((len(x), D))
         evaluate(force.registered, forces_at, (force.source(), origin, x, 0.0, values))
-        _finite(f"body_force.function: {force.registered}", x, values)
+        _finite(f"body-force.function: {force.registered}", x, values)
     if isinstance(exact, OwnSolution):
         values = np.zeros((len(x), 2 * D + (3, 4, 6)[D - 1]))
         evaluate(exact.registered, states_at, (exact.source(), origin, x, 0.0, values))

@@ -48,10 +48,10 @@ def motion_warnings(scenes: Sequence[Scene]) -> list[Warned]:
     if not scene.interaction.rigid_bodies:
         return []
     found = _edges_on_axis(scene)
-    for key in ("body_force", "water"):
+    for key in ("body-force", "water"):
         if not scene.interaction.rigid_bodies.free:
             break
-        if not any(getattr(each.case, key) for each in scenes):
+        if not any(getattr(each.case, key.replace("-", "_")) for each in scenes):
             continue
         names = ", ".join(f"'{body.name}'" for body in scene.interaction.rigid_bodies.free.values())
         text = (
@@ -97,7 +97,7 @@ def known_in_part(scene: Scene) -> Iterator[str]:
     if pairs is None:
         return
     D, first = scene.dimension, len(scene.body_names)
-    initial = np.array([body.configuration == "initial" for body in case.bodies.values()])
+    initial = np.array([body.formulation == "total-lagrangian" for body in case.bodies.values()])
     closed = np.asarray(scene.domain.periods) > 0.0
     domain = np.array([case.grid.origin, case.grid.corner])
     times = np.linspace(0.0, case.time.end, _INSTANTS)

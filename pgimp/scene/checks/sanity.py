@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pgimp.case.escape import sinks
 from pgimp.case.motion.moving_boxes import held_at
+from pgimp.case.outflow import sinks
 from pgimp.physics.contact.base import UNILATERAL
 from pgimp.physics.variation import Variation
 from pgimp.physics.variation.randomfield import RandomVariation
@@ -140,17 +140,17 @@ def body_warnings(
 
 def _swallowed(case: Case, body: BodyFacts) -> Iterator[Warned]:
     """Warn of sinks that contain all corners of a body's bounding box at the start."""
-    if case.bodies[body.name].configuration != "current":
+    if case.bodies[body.name].formulation != "updated-lagrangian":
         return
     low, high = np.array(body.low), np.array(body.high)
     near, far = low + _INWARDS * (high - low), high - _INWARDS * (high - low)
     corners = np.array(list(product(*zip(near, far, strict=True))))
-    for name, sink in sinks(case.escape).items():
+    for name, sink in sinks(case.outflow).items():
         if sink.region.contains(corners).all():
             yield warned(
                 "sink",
-                f"escape.{name}: contains all of {body.name} at the start, which is gone after the "
-                "first step; a sink is to lie where material arrives",
+                f"outflow.{name}: contains all of {body.name} at the start, which is gone after "
+                "the first step; a sink is to lie where material arrives",
             )
 
 
@@ -209,7 +209,7 @@ def case_warnings(case: Case, found: Findings) -> Iterator[Warned]:
                 f"contact: '{body.name}' has both its sides in one cell, so that what it meets "
                 "finds no direction to push in: smaller cells (grid.cell)",
             )
-        moves = case.bodies[body.name].configuration == "current"
+        moves = case.bodies[body.name].formulation == "updated-lagrangian"
         if moves and case.method.affine and max(cells) < _FEW:
             yield warned(
                 "few-cells",

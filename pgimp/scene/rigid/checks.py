@@ -240,7 +240,7 @@ def require_clear(
             return
         text = (
             f"reaches {depth:.3g} cells into {what}: rigid bodies that move freely feel bodies of "
-            "a material; if some of these have `configuration: initial`, "
+            "a material; if some of these have `formulation: total-lagrangian`, "
             "also rigid ones with which they have an entry of `contact`, and walls that let go"
         )
         if number == 0:

@@ -137,7 +137,9 @@ def _within(case: Case, frame: Frame, entry: RigidBody) -> _Ends | None:
     it is all of the body, or as much around the domain as takes little memory.
     """
     entering = _entering(case, frame, entry)
-    if entering is None or all(body.configuration != "initial" for body in case.bodies.values()):
+    if entering is None or all(
+        body.formulation != "total-lagrangian" for body in case.bodies.values()
+    ):
         return entering
     most = max(_POINTS_BEYOND, _TIMES_BEYOND * _points(entry, frame.cell, entering))
     if _points(entry, frame.cell, None) <= most:

@@ -25,7 +25,7 @@ MEANT = {
     "no-slip": ("fixed",),
     "sticky": ("fixed",),
     "clamped": ("fixed",),
-    "unilateral": ("separating",),
+    "separating": ("unilateral",),
     "lysmer": ("absorbing",),
     "viscous-boundary": ("absorbing",),
     "outflow": ("remove",),
@@ -39,12 +39,12 @@ MEANT = {
     "nu": ("poisson",),
     "poissons-ratio": ("poisson",),
     "rho": ("density",),
-    "mu": ("friction", "shear_viscosity"),
-    "ppc": ("particles_per_cell",),
-    "tie": ("tied",),
-    "bonded": ("tied",),
+    "mu": ("friction", "shear-viscosity"),
+    "ppc": ("particles-per-cell",),
+    "tied": ("tie",),
+    "bonded": ("tie",),
     "frictional": ("friction",),
-    "b-bar": ("mean",),
+    "mean-dilatation": ("b-bar",),
 }
 
 _WATER = "water in pores is at rest: it neither seeps nor builds up excess pressure"

@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from pgimp.schema.messages import unknown
+from pgimp.schema.words.renamed import new_column
 from pgimp.solver.callbacks.exchange import Exchange
 from pgimp.solver.history.diagnostics import column_names
 from pgimp.solver.start.validate_stages import absent
@@ -42,6 +43,7 @@ class History(Mapping[str, float]):
         KeyError
             If there is no such column; the message names near ones.
         """
+        name = name if name in self._names else new_column(name)
         if name not in self._names:
             raise KeyError(unknown("column", str(name), self._names))
         gauge = name.startswith("gauge.")

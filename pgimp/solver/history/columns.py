@@ -106,9 +106,9 @@ HISTORY = (
     )),
     Group(lambda scene: [""] if scene.case.rests or scene.case.staged.settled else [], (
         Column("stages.settling-time", "time",
-            "only with stages that settle: time that their steps have taken, which simulated time "
-            "leaves out; mean forces are over both. In a stage at rest they are means over its "
-            "last ten steps",
+            "only with stages that come to rest: time that their steps have taken, which simulated "
+            "time leaves out; mean forces are over both. In a stage at rest they are means over "
+            "its last ten steps",
             lambda s, _: s.settling_time),
     )),
     *REMOVED_AND_CAME,
@@ -163,7 +163,7 @@ HISTORY = (
             lambda s, k: s.traction(k)),
     )),
     Group(_faces, (
-        Column("beyond.FACE", "mass",
+        Column("overlap-mass.FACE", "mass",
             "mass that particles carry past each named face in the last step, on vertices beyond "
             "it: a particle of fixed size does where the material is compressed against a wall, "
             "and what lies there the wall bears",

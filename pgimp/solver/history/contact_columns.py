@@ -51,7 +51,7 @@ def _placed(scene: Scene) -> list[str]:
 WALLS = (
     Group(lambda scene: [scene.domain.faces[n].name for n in _letting(scene)], (
         Column("wall.FACE.friction-heat", "energy",
-            "for each `separating` face: energy that its friction turned into heat since the "
+            "for each `unilateral` face: energy that its friction turned into heat since the "
             "start, force times way; a part of dissipated-energy, as friction-heat of contact",
             lambda s, k: s.walls[_letting(s.scene)[k], WALL_HEAT]),
     )),
@@ -63,7 +63,7 @@ WALLS = (
     )),
     Group(lambda scene: [scene.domain.faces[n].name for n in _taking(scene)], (
         Column("wall.FACE.impact-loss", "energy",
-            "for each `separating` face, and each that holds every component of the velocity, "
+            "for each `unilateral` face, and each that holds every component of the velocity, "
             "likewise: what its force along the normal took from what still moves into it while it "
             "is stopped; what particles lose that a face holds, and that keep the velocity with "
             "which they came",
@@ -110,24 +110,24 @@ MEETING = (
             lambda s, k: s.centre_of_pressure(k)),
     )),
     Group(lambda scene: scene.interaction.rigid_bodies.names, (
-        Column("tool.NAME.force-AXIS", "force",
+        Column("rigid.NAME.force-AXIS", "force",
             "for each rigid body: mean force of the material on it since the last line",
             lambda s, k: s.on_tool(k)),
-        Column("tool.NAME.torque-AXIS", "force length",
+        Column("rigid.NAME.torque-AXIS", "force length",
             "its mean moment, about the body's axis where it turns, about its centre of mass where "
             "it moves freely, else about the origin of the coordinates, which moves with it; about "
             "z alone in 2D, none in 1D",
             lambda s, k: s.moment_on_tool(k)),
-        Column("tool.NAME.work", "energy",
+        Column("rigid.NAME.work", "energy",
             "work of the rigid body on the material since the start, a part of external-work; of "
             "one that moves freely the energy that it gives up: impulse times the mean of its "
             "velocities at a step's beginning and end",
             lambda s, k: s.rigid_bodies[k, RIGID_WORK]),
-        Column("tool.NAME.inside", "1",
+        Column("rigid.NAME.penetrating-particles", "1",
             "number of particles whose centres, of cut ones the centroids, are deeper in it than a "
             "quarter of a cell's smallest side; not those that pass by `law: ignore`",
             lambda s, k: int(s.inside[k])),
-        Column("tool.NAME.displacement-AXIS", "length",
+        Column("rigid.NAME.displacement-AXIS", "length",
             "way of the rigid body since the start: of its axis where it turns, of its centre of "
             "mass where it moves freely",
             lambda s, k: s.displacement_of_tool(k)),
@@ -137,21 +137,21 @@ MEETING = (
             name for name, rigid_body in scene.case.rigid_bodies.items() if rigid_body.free
         ],
         (
-            Column("tool.NAME.velocity-AXIS", "length/time",
+            Column("rigid.NAME.velocity-AXIS", "length/time",
                 "for each rigid body that moves freely: velocity of its centre of mass",
                 lambda s, k: s.along(s.of_free(k, FreeBody.velocities, _SIX), 0)),
-            Column("tool.NAME.angular-velocity-AXIS", "1/time",
+            Column("rigid.NAME.angular-velocity-AXIS", "1/time",
                 "its angular velocity; about z alone in 2D, none in 1D, as the next two",
                 lambda s, k: s.about_axes(s.of_free(k, FreeBody.velocities, _SIX)[3:])),
-            Column("tool.NAME.angle-AXIS", "1",
+            Column("rigid.NAME.angle-AXIS", "1",
                 "the integral of its angular velocity since the start",
                 lambda s, k: s.about_axes(s.of_free(k, FreeBody.angle, _SIX))),
-            Column("tool.NAME.angular-momentum-AXIS", "mass length^2/time",
+            Column("rigid.NAME.angular-momentum-AXIS", "mass length^2/time",
                 "its angular momentum about the origin of the coordinates",
                 lambda s, k: s.about_axes(s.of_free(k, FreeBody.moments, _SIX)[3:])),
-            Column("tool.NAME.momentum-AXIS", "mass length/time", "its momentum",
+            Column("rigid.NAME.momentum-AXIS", "mass length/time", "its momentum",
                 lambda s, k: s.along(s.of_free(k, FreeBody.moments, _SIX), 0)),
-            Column("tool.NAME.kinetic-energy", "energy", "its kinetic energy",
+            Column("rigid.NAME.kinetic-energy", "energy", "its kinetic energy",
                 lambda s, k: s.of_free(k, FreeBody.energy, 0.0)),
         )),
 )  # fmt: skip

@@ -245,7 +245,7 @@ class Diagnostics:
         self.said.append(
             f"particles are deeper in rigid bodies than a quarter of a cell: {', '.join(each)} "
             f"at time {time:.6g}; what is there takes no part in contact as it should. The columns "
-            "tool.NAME.inside of history.csv go on counting"
+            "rigid.NAME.penetrating-particles of history.csv go on counting"
         )
 
     def _tell_volumes(self, scene: Scene, time: float, filled: np.ndarray) -> None:

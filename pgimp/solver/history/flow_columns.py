@@ -36,7 +36,7 @@ FLOWS = (
             "vertices are more than full; as of the last time that its particles were shifted (the "
             "page 'Soils, fluids and gases'), every few steps; nan before",
             lambda s, k: _volume(s, k, ROOM)),
-        Column("volume.NAME.carried", "length^dimensions",
+        Column("volume.NAME.particles", "length^dimensions",
             "sum of J times initial volume of its particles then, of fluids and grains up to J = "
             "1.01, of loose soil less its `gap`: with `volume.NAME` it tells by how much its level "
             "is too low",

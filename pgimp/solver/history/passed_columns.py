@@ -36,8 +36,8 @@ def _passed(
 
 
 ESCAPED = (
-    _passed("escaped", lambda scene: scene.settings.escapes, lambda s: s.escaped,
-        "only where `escape` removes particles, as all columns of this name: mass of those that "
+    _passed("outflow", lambda scene: scene.settings.escapes, lambda s: s.escaped,
+        "only where `outflow` removes particles, as all columns of this name: mass of those that "
         "were removed since the start, so that with `mass` it is constant"),
 )  # fmt: skip
 """Of particles that have left."""

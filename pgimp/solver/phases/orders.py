@@ -70,10 +70,10 @@ class Phases(StepPart):
         grid.by_vertex(grid.G)[grid.active > 0, ..., FORCE:] = 0.0
         fold_mirrors(rank, self._still)
         self._hold(rank, grid.field)
-        strain = Strain(self.before * update.t.dt, loads)
+        strain = Strain(self.before * update.t.dt, loads, update.forcing.gravity)
         rank.call(
             strain_particles, groups[0].setting, grid.field, columns, groups[0].order, strain,
-            self._F,
+            self._F, rank.ledger,
         )  # fmt: skip
         marked = bool(update.forcing.marked)
         sum_particles(rank, groups, loads, marked)
@@ -85,7 +85,14 @@ class Phases(StepPart):
         """Map the new velocities to the vertices, for the rest of the strain; collective."""
         columns, loads, grid = rank.population.up_to_date(), forcing.loads, rank.grid
         self._sums.quantity = MappedMomentum(
-            grid.field, t.dt, loads.relaxation, loads.affine, self._v, self._L
+            grid.field,
+            t.dt,
+            loads.relaxation,
+            loads.affine,
+            self._v,
+            self._L,
+            forcing.gravity,
+            rank.ledger.work,
         )
         self._sums.fit(grid, rank.contact.fields)
         self._sums.add(columns, order, np.arange(grid.planes))

@@ -1,10 +1,10 @@
-"""Sinks: particles that come into a region of `escape` are taken out when a step ends."""
+"""Sinks: particles that come into a region of `outflow` are taken out when a step ends."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from pgimp.case.escape import sinks
+from pgimp.case.outflow import sinks
 from pgimp.geometry.regions.base import Region
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.data.arguments import Order
@@ -27,7 +27,7 @@ class Sinks(StepPart):
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        regions: list[Region] = [sink.region for sink in sinks(scene.case.escape).values()]
+        regions: list[Region] = [sink.region for sink in sinks(scene.case.outflow).values()]
         boxes = [np.array(region.bounds()) for region in regions]
         self._each = [(each, *box) for each, box in zip(regions, boxes, strict=True)]
 
@@ -67,4 +67,4 @@ class Sinks(StepPart):
 
 def sinks_of(scene: Scene, _: Communicator, __: Sinks | None = None) -> Sinks | None:
     """Return the sinks of a scene, None without any."""
-    return Sinks(scene) if sinks(scene.case.escape) else None
+    return Sinks(scene) if sinks(scene.case.outflow) else None

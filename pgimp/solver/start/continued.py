@@ -98,7 +98,7 @@ def _continued(scene: Scene) -> Iterator[tuple[str, Saved] | None]:
     for body in scene.case.bodies.values():
         region = body.region
         saved = region.summary.saved if isinstance(region, Points) else None
-        goes_on = saved is not None and body.configuration == "initial"
+        goes_on = saved is not None and body.formulation == "total-lagrangian"
         yield (str(region.file), saved) if goes_on else None  # type: ignore[union-attr, misc]
 
 

@@ -126,7 +126,7 @@ def estimate(
         return Part(
             f"{count:.3g} particles ({each} bytes each)",
             count * share * each,
-            "larger cells (grid.cell) or fewer particles in them (method.particles_per_cell)",
+            "larger cells (grid.cell) or fewer particles in them (method.particles-per-cell)",
         )
 
     columns, kept, most = bytes_each(scene, ranks)

@@ -32,7 +32,7 @@ _DRAWN_OUT = (
 )
 #: In the initial configuration.
 _MET = (
-    "configuration: current, in which bodies meet walls as they come (one in the initial "
+    "formulation: updated-lagrangian, in which bodies meet walls as they come (one in the initial "
     "configuration is held by a face if it lies on it at the start, and knows of no other); or no "
     "condition on that face (boundaries), if the body is to pass it"
 )

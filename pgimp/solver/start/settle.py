@@ -98,7 +98,9 @@ def begin_settling(start: Start) -> None:
         rate = start.clock.rest_rate if isinstance(start.clock, CourantClock) else inf
         start.clock = settling_clock(start.case, rate)
     if start.watch is None:
-        start.watch = EnergyWatch(start.rate * min(start.scene.domain.frame.cell))
+        start.watch = EnergyWatch(
+            start.rate * min(start.scene.domain.frame.cell), start.case.method.stress
+        )
         if start.rank.slaves:
             start.watch.part = start.rank.slaves.part
             start.watch.shorten(start.clock)
@@ -112,13 +114,13 @@ def require_rest(start: Start, part: float) -> None:
     NoRestError
         If it has not in its number of steps, or if the unbalanced part no longer falls.
     """
-    settle, staged, relaxation = start.case.start.settle, start.case.staged, start.rank.damping
+    settle, staged, relaxation = start.case.start.equilibrate, start.case.staged, start.rank.damping
     assert settle is not None and isinstance(relaxation, Relaxation)
     steps = start.done.number - start.clock.before
     relaxation.note(part)
     if steps < settle.steps and not relaxation.stagnant:
         return
-    key = f"time.stages.{staged.number - 1}.settle" if staged.number else "start.settle"
+    key = f"time.stages.{staged.number - 1}.equilibrate" if staged.number else "start.equilibrate"
     most = f" ({settle.steps} at most, looked at every {EVERY})" if steps > settle.steps else ""
     text = (
         f"{key}: {NO_REST} {steps} steps{most}: the unbalanced force is {part:.3g} of the loads "

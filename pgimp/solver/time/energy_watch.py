@@ -13,7 +13,8 @@ of eight cells. Take the mean of K before and after a time, with a mean of the s
 It swings by theta^4/(2 (1 - theta^2)), 3 % for such waves, and grows without bound in an unstable
 wave. (Without the means (1 - theta^2) U + v(n - 1/2) v(n + 1/2)/2 would be constant, in either
 case.) Every `EVERY` steps both energies are summed; in doubt every step is checked, and the mean
-counts. Sums are taken layer by layer, as in the history, so that they have the same bits on any
+counts. With `stress: average` velocities are of the time of strains, whose energies are summed as
+they are. Sums are taken layer by layer, as in the history, so that they have the same bits on any
 number of ranks.
 """
 
@@ -61,6 +62,8 @@ class EnergyWatch:
     ----------
     speed : float
         Of the fastest wave at rest.
+    stress : str
+        The order of phases, `method.stress`.
 
     Attributes
     ----------
@@ -70,8 +73,9 @@ class EnergyWatch:
         Messages not shown yet.
     """
 
-    def __init__(self, speed: float) -> None:
+    def __init__(self, speed: float, stress: str = "last") -> None:
         self.speed = speed
+        self._terms = 1 if stress == "average" else 3
         self.part = 1.0
         self.said: list[str] = []
         self._first = self._most = 0.0
@@ -141,7 +145,7 @@ class EnergyWatch:
             On every rank, if the solution has blown up.
         """
         sums = *self._kept, self._sums(rank)[:3]
-        energy, work = _balanced(sums)
+        energy, work = _balanced(sums[-self._terms :])
         self._kept = [*sums[-2:]]
         if self._new:
             if len(sums) < len(AT_ONCE):

@@ -3,23 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from math import inf, isfinite
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pgimp.case.accuracy.rescaled import rescaled
-from pgimp.errors import RunError, UsageError, explain
+from pgimp.errors import PgimpError, RunError, UsageError, explain
 from pgimp.io.rundir.ownfiles import ERRORS
 from pgimp.io.rundir.runinfo import describe_start
 from pgimp.mpi.collective import on_root
 from pgimp.running.how import How
 from pgimp.running.log import Log
-from pgimp.running.progress import duration
 from pgimp.scene.scene import Scene
 from pgimp.schema.messages import unknown
 from pgimp.solver.history.diagnostics import column_names
 from pgimp.storage import atomic
 from pgimp.utilities.accuracy import quantity
+from pgimp.utilities.accuracy.again import (
+    Chosen,
+    Costs,
+    cells_of,
+    deepest,
+    factor_of,
+    first_run,
+    keep_first,
+    second_refinement,
+)
+from pgimp.utilities.accuracy.aligned import has_error
 from pgimp.utilities.accuracy.companions import (
     FEWEST,
     Companion,
@@ -28,22 +38,17 @@ from pgimp.utilities.accuracy.companions import (
     notes,
     thinnest,
 )
-from pgimp.utilities.accuracy.estimate import edges
-from pgimp.utilities.accuracy.forecast import cost_of, seconds_of
-from pgimp.utilities.accuracy.found import Companions, as_csv, told, with_error
+from pgimp.utilities.accuracy.found import Companions, as_csv, cells_in, told, with_error
 
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
     from pgimp.io.rundir.rundir import RunDirectory
     from pgimp.running.stop import Stop
 
-#: Part of the allowed error for which cells are chosen.
-_MARGIN = 0.9
-
 
 def begin(
     case: Case, directory: RunDirectory, how: How, log: Log, stop: Stop, run: Callable[..., bool]
-) -> Case | None:
+) -> Chosen | None:
     """Do the companion runs of a case, or those that are missing; collective.
 
     Parameters
@@ -53,7 +58,7 @@ def begin(
 
     Returns
     -------
-    Case or None
+    Chosen or None
         The case to run, with the chosen cells; None if it was stopped before, or for a forecast.
 
     Raises
@@ -75,7 +80,7 @@ def begin(
         quiet = Log(comm.rank == 0, True)
         try:
             ended = run(one.case, None, comm, one.path, How(resume=True), quiet, stop)
-        except RunError as error:
+        except PgimpError as error:
             text = (
                 f"the companion run in {one.path} failed: {error}\n"
                 "The run itself has not begun. Smaller cells (grid.cell) may help; without "
@@ -83,21 +88,24 @@ def begin(
             )
             if fresh:
                 directory.record_failure("failed", 0, 0.0, text)
-            raise type(error)(text) from error
+            kind = type(error) if isinstance(error, RunError) else UsageError
+            raise kind(text) from error
         if ended:
             continue
         if fresh:
             directory.finish("stopped", 0, 0.0, 0.0, f"stopped {stop}, in a companion run")
         log.say(f"stopped {stop} in a companion run; the same command with --resume goes on")
         return None
-    chosen, forecast, said = on_root(comm, lambda: _chosen(case, planned, comm.size, stop))
+    factor, left, over, forecast, said = on_root(
+        comm, lambda: _chosen(case, planned, directory.path, comm.size, stop)
+    )
     for text in said:
         log.say(text)
     if how.forecast:
         directory.finish("stopped", 0, 0.0, 0.0, "only a forecast", {"forecast": forecast})
         log.say("the same command with --resume in place of --forecast goes on")
         return None
-    return rescaled(case, chosen) if chosen != 1.0 else case
+    return Chosen(rescaled(case, factor) if factor != 1.0 else case, case, factor, left, over)
 
 
 def _planned(case: Case, path: Path) -> list[Companion]:
@@ -110,6 +118,8 @@ def _planned(case: Case, path: Path) -> list[Companion]:
     """
     if (entry := case.accuracy) is None:
         return companions(case, levels_of(case), path)
+    if not has_error(entry.column):
+        raise UsageError(f"accuracy.of: {entry.of} has no error of its own; take another column")
     if not entry.probe and entry.column not in (names := column_names(Scene(case))):
         text = unknown("column", entry.column, names, "history.csv will have")
         raise UsageError(f"accuracy.of: {text}")
@@ -119,35 +129,44 @@ def _planned(case: Case, path: Path) -> list[Companion]:
 
 
 def _chosen(
-    case: Case, planned: list[Companion], ranks: int, stop: Stop
-) -> tuple[float, dict[str, object], list[str]]:
-    """Cells of the run over those of the case, its forecast, and what to say; on rank 0."""
-    costs = [(one.ratio, spent) for one in planned if (spent := cost_of(one.path))]
+    case: Case, planned: list[Companion], path: Path, ranks: int, stop: Stop
+) -> tuple[float, bool, bool, dict[str, object], list[str]]:
+    """Cells of the run over those of the case, and what goes with them; on rank 0.
 
-    def seconds(factor: float) -> float | None:
-        return seconds_of([(ratio / factor, spent) for ratio, spent in costs], case.dimensions)
+    Returns
+    -------
+    factor, left, over : float, bool, bool
+        See `Chosen`.
+    known : dict
+        The forecast.
+    said : list of str
+        What to say.
+    """
+    over = False
+    cost = Costs([(one.ratio, one.path) for one in planned], case, ranks, stop.left)
+    if case.accuracy is None:
+        factor, said, left = 1.0, [], False
+    else:
+        factor, text = _factor_for(case, planned, cost)
+        said, left = [text], True
+        if (first := first_run(path, factor)) is not None:
+            again = second_refinement(case, first, factor, cost)
+            if again.factor:
+                factor, said, left = again.factor, [*said, again.said], False
+                over = cells_in(path) != list(rescaled(case, factor).grid.cell)
+    known: dict[str, object] = {"seconds": cost.seconds(factor), "ranks": ranks}
+    known["cell"] = list((rescaled(case, factor) if factor != 1.0 else case).grid.cell)
+    itself = f"the run itself, on cells of {cells_of(case, factor)}: {cost.told(factor)}"
+    if case.accuracy and left and (least := deepest(case, factor)) < factor * (1.0 - 1e-9):
+        known["most"] = cost.seconds(least)
+        itself += (
+            f"; if its own error is more than {case.accuracy.asked}, once more, on cells of no "
+            f"less than {cells_of(case, least)}: at most {cost.told(least)}"
+        )
+    return factor, left, over, known, [*said, itself]
 
-    def cost(factor: float) -> str:
-        if (time := seconds(factor)) is None:
-            return "of unknown cost"
-        text = f"about {duration(time)} on {ranks} rank{'s' * (ranks > 1)}"
-        if time > stop.left:
-            text += (
-                f", of which {duration(max(stop.left, 0.0))} are left: it will stop with a "
-                "checkpoint, and goes on with --resume"
-            )
-        return text
 
-    factor, said = (1.0, "") if case.accuracy is None else _factor_for(case, planned, cost)
-    known: dict[str, object] = {"seconds": seconds(factor), "ranks": ranks}
-    known["cell"] = list(case.grid.cell if factor == 1.0 else rescaled(case, factor).grid.cell)
-    itself = f"the run itself, on cells of {_cells(case, factor)}: {cost(factor)}"
-    return factor, known, [*([said] if said else []), itself]
-
-
-def _factor_for(
-    case: Case, planned: list[Companion], cost: Callable[[float], str]
-) -> tuple[float, str]:
+def _factor_for(case: Case, planned: list[Companion], cost: Costs) -> tuple[float, str]:
     """Cells that the accuracy needs, over those of the case, and the reason.
 
     Raises
@@ -157,52 +176,37 @@ def _factor_for(
     """
     entry = case.accuracy
     assert entry is not None
-    curves = [(one.ratio, quantity.curve(entry, one.path)) for one in planned]
-    finest, fine = curves[-1]
-    known = quantity.found(entry, fine, [(ratio / finest, one) for ratio, one in curves[:-1]])
-    allowed = _MARGIN * entry.allowed(known.value)
+    finest = planned[-1].ratio
+    curves = [(one.ratio / finest, quantity.curve(entry, one.path)) for one in planned]
+    known = quantity.found(entry, curves[-1][1], curves[:-1])
     on = f"{entry.label} is {with_error(known.value, known.error)} on cells of {planned[-1].cells}"
-    if not isfinite(known.error) or not allowed > 0.0:
-        why = "its error is not known" if allowed > 0.0 else "of zero there are no per cent"
+    if not isfinite(known.error) or not entry.allowed(known.value) > 0.0:
+        unknown_error = "its error is not known" if entry.allowed(known.value) > 0.0 else ""
         raise UsageError(
-            f"accuracy: {on}: {why}; take another quantity or time, or `within` as a number"
+            f"accuracy: {on}: {unknown_error or 'of zero there are no per cent'}; take another "
+            "quantity or time, or `within` as a number"
         )
-    order = 1.0 if known.order is None else known.order
-    told = f"by the order {order:.2g}" if known.order else "if the order is 1, which is not known"
-    wanted = finest * (allowed / known.error) ** (1.0 / order) if known.error else inf
-    factor = _factor(case, wanted)
-    needs = f"within {entry.asked} needs cells of {_cells(case, wanted)}, {told}"
+    wanted = finest * known.shrinks(entry)
+    factor = factor_of(case, wanted)
+    needs = f"within {entry.asked} needs cells of {cells_of(case, wanted)}, {known.by}"
     if factor < entry.finest * (1.0 - 1e-9):
         raise UsageError(
-            f"accuracy: {on}; {needs}: {cost(factor)}.\n"
+            f"accuracy: {on}; {needs}: {cost.told(factor)}.\n"
             f"That is finer than accuracy.finest allows, {entry.finest:g} of grid.cell: set it to "
-            f"{0.99 * factor:.2g}, or ask for less. What has run is kept: --resume goes on with it"
+            f"{0.99 * factor:.3g}, or ask for less. What has run is kept: --resume goes on with it"
         )
     if wanted >= 1.0:
-        needs = f"the case's cells are small enough for {entry.asked}, {told}"
+        needs = f"the case's cells are small enough for {entry.asked}, {known.by}"
     return factor, f"{on}; {needs}"
 
 
-def _factor(case: Case, wanted: float) -> float:
-    """The largest 2/m up to `wanted`, and at most 1, for which the case is valid."""
-    m = 2
-    while 2.0 / m > wanted * (1.0 + 1e-9):
-        m += 1
-    for tried in range(m, m + 4):
-        try:
-            rescaled(case, 2.0 / tried)
-        except UsageError:
-            continue
-        return 2.0 / tried
-    return 2.0 / m
-
-
-def _cells(case: Case, factor: float) -> str:
-    return edges([cell * min(factor, 1.0) for cell in case.grid.cell])
-
-
-def conclude(case: Case, directory: RunDirectory, log: Log) -> None:
+def conclude(chosen: Chosen, directory: RunDirectory, log: Log, stop: Stop) -> bool:
     """Write errors.csv of a run that is done, and tell of the errors; collective.
+
+    Returns
+    -------
+    bool
+        Whether it is to run once more, on smaller cells. Its tables are then kept as a companion's.
 
     Raises
     ------
@@ -210,23 +214,32 @@ def conclude(case: Case, directory: RunDirectory, log: Log) -> None:
         On every rank, if a file cannot be read or written.
     """
 
-    def write() -> list[str]:
+    def write() -> tuple[list[str], bool]:
         known = Companions(directory.path)
         lines = list(known.lines())
         if not lines:
-            return []
+            return [], False
         path = directory.path / ERRORS
         try:
             atomic.write(path, as_csv(lines))
+            text = f"{path} has the estimated errors of all {len(lines)} columns"
+            if not (asked := quantity.of_run(known, chosen.case)):
+                return [f"{told(lines)}; {text}"], False
+            if not chosen.left or not asked.startswith("warning: "):
+                return [asked, text], False
+            runs = [(chosen.factor * ratio, run) for ratio, run in known.runs]
+            cost = Costs(runs, chosen.original, directory.comm.size, stop.left)
+            again = second_refinement(chosen.original, known, chosen.factor, cost)
+            if again.factor:
+                keep_first(directory.path, chosen.factor)
+            return [asked, again.said, text], bool(again.factor)
         except OSError as error:
             raise RunError(f"cannot write {path}: {explain(error)}") from error
-        text = f"{path} has the estimated errors of all {len(lines)} columns"
-        if asked := quantity.of_run(known, case):
-            return [asked, text]
-        return [f"{told(lines)}; {text}"]
 
-    for text in on_root(directory.comm, write):
+    said, again = on_root(directory.comm, write)
+    for text in said:
         log.say(text)
+    return again
 
 
 def foreseen(case: Case) -> Iterator[str]:
@@ -244,6 +257,7 @@ def foreseen(case: Case) -> Iterator[str]:
     yield (
         f"accuracy: runs on cells of {cells} come first, and choose cells between those of the "
         f"case, of which all is said here, and {case.accuracy.finest:g} of them; with --forecast "
-        "pgimp does only that, and says what the run will cost"
+        "pgimp does only that, and says what the run will cost. If its own error is more than "
+        "asked for, it runs once more, on cells of no less than half of the chosen ones"
     )
     yield from notes(case, planned)

@@ -12,11 +12,12 @@ Array = np.ndarray
 #: Columns that are means since the line before.
 _MEANS = re.compile(
     r"(reaction|constraint|traction|torque)\..*|contact\.[^.]*(\.moment)?-[xyz]|"
-    r"tool\..*\.(force|torque)-[xyz]|gauge\..*\.(mass|momentum)-flux.*"
+    r"rigid\..*\.(force|torque)-[xyz]|gauge\..*\.(mass|momentum)-flux.*"
 )
 #: Columns without errors of their own.
 _UNSEEN = re.compile(
-    r"time|step|dt|mass-scaling|stages\.settling-time|volume|tool\..*\.inside"  # of a particle
+    r"time|step|dt|mass-scaling|stages\.settling-time|volume|"  # of a particle
+    r"rigid\..*\.penetrating-particles"
 )
 
 

@@ -7,7 +7,9 @@ method of second order, the factor of safety of Roache (J. Fluids Eng. 116, 1994
 Three runs tell p, from the mean sizes of both differences over time (of squares it
 would be 1/2 for a shock that is a few cells wide). It is kept within 1/2 and 2,
 as methods here have no higher order, and differences that do not shrink say nothing of it (Eça and
-Hoekstra, J. Comput. Phys. 262, 2014). Their error has the factor 1.25 of Roache for three grids.
+Hoekstra, J. Comput. Phys. 262, 2014). An order above 1 counts as far as both differences go the
+same way, by their correlation over time: those that do not may be small by chance. Their error has
+the factor 1.25 of Roache for three grids.
 
 Curves that oscillate cross each other, where their difference vanishes and the error does not. So
 an error is the greatest in a part of the time around.
@@ -16,7 +18,6 @@ an error is the greatest in a part of the time around.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import prod
 from typing import NamedTuple
 
 import numpy as np
@@ -97,7 +98,12 @@ def _order(curve: Curve, others: Sequence[Array], sizes: Sequence[float]) -> flo
     first, second = (np.abs(one[both]).mean() if both.any() else 0.0 for one in (fine, coarse))
     if not (first > least and second > least):
         return MOST_ORDER if first <= least else LEAST_ORDER
-    return order_of(second / first, sizes)
+    order = order_of(second / first, sizes)
+    if order <= ASSUMED:
+        return order
+    alike = float(np.mean(fine[both] / first * (coarse[both] / second)))
+    spread = np.sqrt(np.mean((fine[both] / first) ** 2) * np.mean((coarse[both] / second) ** 2))
+    return min(order, ASSUMED + (MOST_ORDER - ASSUMED) * max(alike / float(spread), 0.0))
 
 
 def order_of(ratio: float, sizes: Sequence[float]) -> float:
@@ -135,7 +141,8 @@ def edges(cell: Sequence[float]) -> str:
 
 
 def ratio_of(cell: Sequence[float], of: Sequence[float]) -> float:
-    """Return the size of cells over that of others, a mean over the directions that differ."""
-    found = [one / other for one, other in zip(cell, of, strict=True)]
-    found = [ratio for ratio in found if abs(ratio - 1.0) > 1e-9]
-    return float(prod(found) ** (1.0 / len(found))) if found else 1.0
+    """Return the size of cells over that of others, in the direction where it is the greatest.
+
+    Directions that keep their cells, as periodic ones of a few cells, have nothing to resolve.
+    """
+    return max(one / other for one, other in zip(cell, of, strict=True))

@@ -72,13 +72,24 @@ def foretold(path: Path, ranks: int, limit: float) -> Iterator[str]:
     known = content["starts"][-1].get("forecast") if content else None
     try:
         assert isinstance(known, dict)
-        seconds = float(known["seconds"]) * int(known["ranks"]) / ranks
+        seconds, most = (
+            float(known[key]) * int(known["ranks"]) / ranks
+            for key in ("seconds", "most" if "most" in known else "seconds")
+        )
         cells = edges([float(cell) for cell in known["cell"]])
     except (AssertionError, KeyError, TypeError, ValueError):
         return
-    jobs = max(1, ceil(seconds / limit))
+
+    def jobs(seconds: float) -> str:
+        count = max(1, ceil(seconds / limit))
+        return f"{count} job{'s' * (count > 1)} of {clock(limit)}"
+
     yield (
         f"{path} has a forecast: cells of {cells}, {duration(seconds)} on {ranks} "
-        f"rank{'s' * (ranks > 1)} if they share the work evenly: "
-        f"{jobs} job{'s' * (jobs > 1)} of {clock(limit)}"
+        f"rank{'s' * (ranks > 1)} if they share the work evenly: {jobs(seconds)}"
     )
+    if most > seconds:
+        yield (
+            f"if its own error is then more than asked for, it runs once more, for "
+            f"{duration(most)} at most: {jobs(most)}"
+        )

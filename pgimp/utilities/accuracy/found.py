@@ -24,10 +24,12 @@ from pgimp.utilities.accuracy.estimate import Estimate, estimate, ratio_of
 
 Array = np.ndarray
 
+#: Least factor between the cells of two runs that tell anything.
+_APART = 1.05
 #: Quantities that the line about the errors of a run names, at most, and of which kinds they are.
 _NAMED = 6
 _ENERGIES = ("kinetic-energy", "strain-energy", "external-work")
-_TELLING = re.compile(r"(reaction|constraint|contact)\..*|tool\..*\.force|probe\..*\.displacement")
+_TELLING = re.compile(r"(reaction|constraint|contact)\..*|rigid\..*\.force|probe\..*\.displacement")
 
 
 class Companions:
@@ -37,20 +39,25 @@ class Companions:
     ----------
     path : Path
         The run directory.
+    coarse : Path, optional
+        The folder of its companions, if it is not in it.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, coarse: Path | None = None) -> None:
         self.path = path
-        own = _cell(path)
+        own = cells_in(path)
         #: list of (float, Path): Cells over those of the run, ascending, and directory.
         self.runs: list[tuple[float, Path]] = []
-        for folder in sorted((path / COARSE).glob("*h")):
-            info, cell = runinfo.read(folder / RUN), _cell(folder)
+        for folder in sorted((coarse or path / COARSE).glob("*h")):
+            info, cell = runinfo.read(folder / RUN), cells_in(folder)
             if info and own and cell and info["starts"][-1]["state"] == "done":
                 ratio = ratio_of(cell, own)
                 if ratio > 1.0 + 1e-9:
                     self.runs.append((ratio, folder))
         self.runs.sort()
+        # A first run may have the cells of a companion: there is nothing between them.
+        near = zip(self.runs[1:], self.runs, strict=False)
+        self.runs = self.runs[:1] + [one for one, last in near if one[0] > _APART * last[0]]
 
     def estimates(
         self, probe: str = "", names: Collection[str] | None = None
@@ -187,7 +194,7 @@ def with_error(value: float, error: float) -> str:
     return f"({value / scale:.{digits}f} +- {error / scale:.{digits}f}){power}"
 
 
-def _cell(path: Path) -> list[float] | None:
+def cells_in(path: Path) -> list[float] | None:
     """Return the cells of the case of a run directory; None if they are not known."""
     with suppress(OSError, ValueError, KeyError, TypeError, CaseError, PgimpError):
         data = parse(read_plain(path / "case.yaml", LARGEST_FILE).decode(), "case.yaml").data

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -15,13 +16,16 @@ from pgimp.io.rundir.probefiles import probe_file
 from pgimp.schema.instants import TimeMean
 from pgimp.schema.messages import unknown
 from pgimp.utilities.accuracy.aligned import Curve, curve_of
-from pgimp.utilities.accuracy.estimate import estimate
+from pgimp.utilities.accuracy.estimate import ASSUMED, estimate
 from pgimp.utilities.accuracy.found import Companions, greatest, with_error
 
 if TYPE_CHECKING:
     from pgimp.case.schema import Case
 
 Array = np.ndarray
+
+#: Part of the allowed error for which cells are chosen.
+MARGIN = 0.9
 
 
 class Found(NamedTuple):
@@ -30,6 +34,20 @@ class Found(NamedTuple):
     value: float
     error: float
     order: float | None  #: The observed order; None if it is assumed.
+
+    @property
+    def by(self) -> str:
+        """How cells follow from it, in words."""
+        return (
+            "if the order is 1, which is not known"
+            if self.order is None
+            else (f"by the order {self.order:.2g}")
+        )
+
+    def shrinks(self, entry: Accuracy) -> float:
+        """Return the factor on the cells that lets the error become what is asked for, or less."""
+        allowed = MARGIN * entry.allowed(self.value)
+        return (allowed / self.error) ** (1.0 / (self.order or ASSUMED)) if self.error else inf
 
 
 def curve(entry: Accuracy, path: Path) -> Curve:
@@ -78,6 +96,18 @@ def found(entry: Accuracy, fine: Curve, others: Sequence[tuple[float, Curve]]) -
     return Found(value, error, one.order)
 
 
+def of(known: Companions, entry: Accuracy) -> Found:
+    """Return the value of the quantity in a run with companions, and its error.
+
+    Raises
+    ------
+    PgimpError
+        If a file cannot be read, or has no such column.
+    """
+    others = [(ratio, curve(entry, path)) for ratio, path in known.runs]
+    return found(entry, curve(entry, known.path), others)
+
+
 def of_run(known: Companions, case: Case) -> str:
     """Return the quantity that a case asks for with its error; empty if it asks for none.
 
@@ -90,13 +120,12 @@ def of_run(known: Companions, case: Case) -> str:
     """
     if (entry := case.accuracy) is None:
         return ""
-    others = [(ratio, curve(entry, path)) for ratio, path in known.runs]
-    value, error, _ = found(entry, curve(entry, known.path), others)
+    value, error, _ = of(known, entry)
     part = f" ({100.0 * error / abs(value):.2g} %)" if value else ""
     text = f"{entry.label}: {with_error(value, error)}{part}"
     if error <= entry.allowed(value) * (1.0 + 1e-9):
         return f"{text}, within {entry.asked} as asked"
     return (
-        f"warning: {text}, more than the {entry.asked} asked for: with these cells the error "
-        "shrinks less than the larger ones promised; take smaller ones (grid.cell)"
+        f"warning: {text}, more than the {entry.asked} asked for: on these cells the error "
+        "shrinks less than the larger ones promised"
     )

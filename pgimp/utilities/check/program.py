@@ -243,8 +243,8 @@ def watched(case: Case, count: int, settling: bool = False) -> tuple[Watch, Simu
 
     They are those of the time, or, while the start is `settling`, those before it.
     """
-    if case.start.settle and not settling:
-        start = case.start.model_copy(update={"settle": None})
+    if case.start.equilibrate and not settling:
+        start = case.start.model_copy(update={"equilibrate": None})
         case = case.model_copy(update={"start": start})
     factor, reason = max(1.0, (count / _MAX_PARTICLES) ** (1.0 / case.dimensions)), ""
     for power in _POWERS if factor > 1.0 else (0.0,):
@@ -283,7 +283,7 @@ def report_program(case: Case, count: int) -> None:
         indent = " " * (2 + 2 * bool(name) + 2 * bool(part))
         print(f"{indent + (name or watch.phases[phase]):<34} {time:<20} {row.meaning}")
         features |= row.features
-    if case.start.settle:
+    if case.start.equilibrate:
         _report_settling(case, count, watch)
     print("  what of it is compiled in for this scene:")
     for name, meaning in features.items():

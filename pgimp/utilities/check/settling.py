@@ -54,7 +54,7 @@ def settling_steps(case: Case, bodies: Sequence[BodyFacts]) -> Settling:
     bodies : sequence of BodyFacts
         All bodies, as the start of the run has them.
     """
-    settle = case.start.settle
+    settle = case.start.equilibrate
     there = [body for body in bodies if body.name in case.bodies]
     if settle is None or not there:
         return Settling()

@@ -40,11 +40,11 @@ def report_steps(case: Case, steps: float, tried: Pilot | None, first: str) -> f
 
 def report_settling(case: Case, settling: Settling) -> None:
     """Say in how many steps the start may come to rest; they are not among those reported."""
-    if case.start.settle:
+    if case.start.equilibrate:
         print(
             f"settling         before, at t = 0, by estimate in {settling.text()} steps, at most "
-            f"{case.start.settle.steps:,}; they are not among those above, and write checkpoints "
-            "alone"
+            f"{case.start.equilibrate.steps:,}; they are not among those above, and write "
+            "checkpoints alone"
         )
 
 
@@ -72,11 +72,11 @@ def report_stages(
             steps, about = ceil(max(factor, 1.0) * length * rate / one.courant), "about "
         total += steps
         what = ", ".join(changes_of(stage)) or "nothing"
-        if stage.settle:
+        if stage.equilibrate:
             print(
                 f"stage {one.staged.number + 1:<10} '{stage.name}' settles at t = "
                 f"{one.time.end:g}, by estimate in {settling[one.staged.number].text()} steps, "
-                f"at most {stage.settle.steps:,}; changes {what}"
+                f"at most {stage.equilibrate.steps:,}; changes {what}"
             )
             continue
         print(

@@ -87,7 +87,7 @@ def block_case(cells: int, steps: int) -> dict[str, object]:
         "title": "Benchmark block",
         "dimensions": 3,
         "grid": {"origin": [0.0] * 3, "size": size, "cell": [h] * 3},
-        "method": {"shape": "gimp", "particles_per_cell": [2, 2, 2]},
+        "method": {"shape": "gimp", "particles-per-cell": [2, 2, 2]},
         "time": {"end": steps * dt, "step": dt},
         "materials": {
             "solid": {

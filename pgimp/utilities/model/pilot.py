@@ -75,8 +75,8 @@ def pilot(case: Case, count: int, steps: float, costs: Costs, fewest: float) -> 
     Pilot or None
         None if no pilot run is possible.
     """
-    if case.start.settle:  # its steps are not of the time
-        start = case.start.model_copy(update={"settle": None})
+    if case.start.equilibrate:  # its steps are not of the time
+        start = case.start.model_copy(update={"equilibrate": None})
         case = case.model_copy(update={"start": start})
     regions = [part for body in case.bodies.values() for part in body.region.simple()]
     fixed = sum(part.summary.number for part in regions if isinstance(part, Points))

@@ -26,7 +26,7 @@ def resized(case: Case, factor: float, longer: float = ENDLESS) -> Case:
     cells = [max(1, round(n / factor)) for n in grid.cells]
     data = case.model_dump(by_alias=True, exclude={"history", "checkpoint"})
     data["output"] = {"fields": case.output.fields}
-    data["escape"] = _open(case, case.boundaries)
+    data["outflow"] = _open(case, case.boundaries)
     data["boundaries"] = {
         name: _standing(entry, "xyz".index(name[0])) for name, entry in data["boundaries"].items()
     }
@@ -40,8 +40,8 @@ def resized(case: Case, factor: float, longer: float = ENDLESS) -> Case:
 
 
 def _open(case: Case, boundaries: Collection[str]) -> dict[str, str]:
-    """``escape`` of a sample: a few particles at an open face do not end it."""
-    if any(body.configuration == "initial" for body in case.bodies.values()):
+    """``outflow`` of a sample: a few particles at an open face do not end it."""
+    if any(body.formulation == "total-lagrangian" for body in case.bodies.values()):
         return {}
     faces = (f"{axis}-{end}" for axis in "xyz"[: case.dimensions] for end in ("min", "max"))
     return {face: "remove" for face in faces if face not in boundaries}
@@ -67,20 +67,20 @@ def plain(case: Case, count: int, longer: float = ENDLESS) -> Case:
         "format": 1,
         "dimensions": D,
         "grid": {"size": [h * (cells + 2)] * D, "cell": [h] * D},
-        "method": case.method.model_dump(),
+        "method": case.method.model_dump(by_alias=True),
         "materials": {
             name: entry.uniform()
             for name, entry in case.materials.items()
             if name == next(iter(case.bodies.values())).material
         },
         "boundaries": {"x-min": "fixed"},
-        "escape": _open(case, {"x-min"}),
+        "outflow": _open(case, {"x-min"}),
     }
     data["bodies"] = {
         "sample": {
             "material": next(iter(data["materials"])),
             "region": {"box": {"min": [h] * D, "max": [h * (cells + 1)] * D}},
-            "configuration": next(iter(case.bodies.values())).configuration,
+            "formulation": next(iter(case.bodies.values())).formulation,
         }
     }
     if isinstance(step, float | int):

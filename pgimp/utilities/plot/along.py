@@ -112,7 +112,7 @@ def _means(
 ) -> tuple[Array, Array, Array]:
     """Return positions, means and numbers of particles of the strips with particles."""
     case = snapshot.shown.case
-    grid, each = case["grid"], case["method"]["particles_per_cell"]
+    grid, each = case["grid"], case["method"]["particles-per-cell"]
     origin, length = float(grid["origin"][axis]), float(grid["size"][axis])
     width = float(grid["cell"][axis]) / float(each[axis])
     strips = int(np.ceil(length / width)) + 1

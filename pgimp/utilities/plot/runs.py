@@ -66,7 +66,7 @@ class PlotRun:
         """Initial distance of the particles by axis; empty if the case does not tell it."""
         try:
             each = zip(
-                self.case["grid"]["cell"], self.case["method"]["particles_per_cell"], strict=True
+                self.case["grid"]["cell"], self.case["method"]["particles-per-cell"], strict=True
             )
             found = tuple(float(cell) / float(count) for cell, count in each)
         except (KeyError, TypeError, ValueError, ZeroDivisionError):

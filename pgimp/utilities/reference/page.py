@@ -158,7 +158,7 @@ def reference() -> str:
             ),
         ),
         "## Probes\n",
-        "`probes/NAME.csv` of a material point. After a particle was removed (`escape`), all but\n"
+        "`probes/NAME.csv` of a material point. After a particle was removed (`outflow`), all but\n"
         "time and step are empty.\n",
         _columns(POINT),
         "`probes/NAME.csv` of a place X: means over the particles around it, each with the weight\n"

@@ -31,7 +31,7 @@ _METADATA = re.compile(r"\s*<metadata>.*?</metadata>", re.DOTALL)
 #: Curves in a figure of forces, the greatest ones.
 _MOST_FORCES = 8
 
-FORCE = re.compile(r"((reaction|constraint)\..*|tool\..*\.force|contact\..*)-[xyz]")
+FORCE = re.compile(r"((reaction|constraint)\..*|rigid\..*\.force|contact\..*)-[xyz]")
 
 
 def svg(drawn: Figure, description: str, run: str) -> Markup:
@@ -102,7 +102,7 @@ def forces(history: np.ndarray) -> list[str]:
 def motions(history: np.ndarray) -> list[str]:
     """Return the columns of prescribed displacements, and of rigid bodies' ways."""
     names = history.dtype.names or ()
-    kinds = r"displacement\..*-[xyz]|tool\..*\.displacement-[xyz]"
+    kinds = r"displacement\..*-[xyz]|rigid\..*\.displacement-[xyz]"
     some = [name for name in names if re.fullmatch(kinds, name) and _greatest(history, name) > 0.0]
     return some[:_MOST_FORCES]
 

@@ -158,11 +158,11 @@ def _glance(info: dict[str, Any], found: _Found) -> list[tuple[object, object]]:
 
 def _method(method: dict[str, Any]) -> list[str]:
     """Return the method's keys in words."""
-    each = method.get("particles_per_cell") or ()
+    each = method.get("particles-per-cell") or ()
     words = [str(method.get("shape", ""))]
     words += [f"{' x '.join(str(n) for n in each)} particles a cell"] if each else []
     words += ["affine"] if method.get("affine") else []
-    words += ["mean dilatation"] if method.get("volumetric") == "mean" else []
+    words += ["B-bar"] if method.get("volumetric") == "b-bar" else []
     return [word for word in words if word]
 
 
@@ -233,16 +233,16 @@ def _case(path: Path, data: dict[str, Any]) -> list[Markup]:
         material = body.get("material") if isinstance(body, dict) else None
         entry = (materials or {}).get(material) or {}
         model = entry.get("model", "rigid") if isinstance(entry, dict) else ""
-        rows.append((name, material or "", model, body.get("configuration", "")))
+        rows.append((name, material or "", model, body.get("formulation", "")))
     stages = (data.get("time") or {}).get("stages") or ()
     named = [
         f"{one.get('name')}, "
-        + ("to rest" if one.get("settle") is not None else f"to t = {one.get('end')}")
+        + ("to rest" if one.get("equilibrate") is not None else f"to t = {one.get('end')}")
         for one in stages
     ]
     given = origin.file_text(path / "input.yaml")
     resolved = origin.file_text(path / "case.yaml")
-    made: list[Markup] = [table(("body", "material", "model", "configuration"), rows, words=4)]
+    made: list[Markup] = [table(("body", "material", "model", "formulation"), rows, words=4)]
     if named:
         made += [paragraph("Stages after the first:"), items(named)]
     if given:

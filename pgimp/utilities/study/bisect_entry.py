@@ -22,7 +22,9 @@ def _two(value: tuple[float, ...]) -> tuple[float, ...]:
 
 def _path(value: str) -> str:
     if not all(value.split(".")):
-        raise problem("expected keys joined by dots, such as time.stages.0.strength.factor")
+        raise problem(
+            "expected keys joined by dots, such as time.stages.0.strength-reduction.factor"
+        )
     return value
 
 
@@ -31,7 +33,7 @@ class Bisection(Model):
 
     key: Annotated[str, Field(min_length=1, max_length=1000), AfterValidator(_path)] = Field(
         description="the key of the case that changes from run to run, as --set takes it: "
-        "time.stages.0.strength.factor finds a factor of safety"
+        "time.stages.0.strength-reduction.factor finds a factor of safety"
     )
     between: Annotated[tuple[Number, ...], AfterValidator(_two)] = Field(
         description="two values: with the first one the case comes to rest, with the second not"
@@ -39,14 +41,16 @@ class Bisection(Model):
     tolerance: Positive = Field(
         default=0.01, description="distance of the two values at which it ends"
     )
-    slide: Annotated[
+    failure_displacement: Annotated[
         float | Literal["auto"] | None,
         Either("a length, auto or null", {float: Positive, str: Literal["auto"], None: None}),
     ] = Field(
         default="auto",
-        description="greatest displacement of a particle in a stage with settle, of those that the "
-        "key changes, for the case to count as at rest: what moves farther has slid, though it "
-        "rests as a heap in the end. auto: a tenth of a cell's shortest edge; null: any [length]",
+        alias="failure-displacement",
+        description="greatest displacement of a particle in a stage with `equilibrate`, of those "
+        "that the key changes, for the case to count as at rest: what moves farther has slid, "
+        "though it rests as a heap in the end. auto: a tenth of a cell's shortest edge; null: any "
+        "[length]",
     )
     reference: Number | None = Field(
         default=None,

@@ -19,8 +19,8 @@ _FOUND = RESTS, MOVES, SLID
 
 #: Said where displacements are not looked at.
 UNSEEN = (
-    "displacements count in stages with settle that the key changes, not before time 0: what "
-    "slides there and rests as a heap is taken for at rest"
+    "displacements count in stages with `equilibrate` that the key changes, not before time 0: "
+    "what slides there and rests as a heap is taken for at rest"
 )
 
 
@@ -124,7 +124,7 @@ def _misplaced(trial: Trial, entry: Bisection) -> str:
     if trial.state == SLID:
         return (
             f"{text}slides before it rests ({trial.way}): take another one, or a longer "
-            "bisect.slide if it is soft, and only gives way"
+            "bisect.failure-displacement if it is soft, and only gives way"
         )
     how = "comes" if trial.state == RESTS else "does not come"
     return f"{text}{how} to rest: take another one"

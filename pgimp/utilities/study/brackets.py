@@ -69,10 +69,14 @@ def _slide(brackets: Sequence[Bracket], entry: Bisection) -> str:
         "The greatest displacement of a particle is that in a stage that settles, of those that "
         "the key changes. "
     )
-    if entry.slide is None:
+    if entry.failure_displacement is None:
         text += "Any counts as rest."
     else:
-        most = "a tenth of a cell's shortest edge" if entry.slide == "auto" else f"{entry.slide!r}"
+        most = (
+            "a tenth of a cell's shortest edge"
+            if entry.failure_displacement == "auto"
+            else f"{entry.failure_displacement!r}"
+        )
         text += f"Where it is above {most} the case has slid, which is not at rest."
     if any(bracket.variant.unseen for bracket in brackets):
         text += f" {UNSEEN[0].upper()}{UNSEEN[1:]}."

@@ -18,6 +18,7 @@ from pgimp.scene.scene import Scene
 from pgimp.schema.document import MOST_MESSAGES, Document, read
 from pgimp.schema.messages import dotted, unknown
 from pgimp.schema.overrides import change
+from pgimp.schema.words.renamed import new_path
 from pgimp.solver.history.diagnostics import column_names
 from pgimp.utilities.study.measure_entry import Measure, measure_of
 from pgimp.utilities.study.measures import SAME_TIME
@@ -71,7 +72,7 @@ class Cases:
         """Return file, line and key of a part of the study."""
         location = self.document.location(path)
         where = f"{self.name}:{location}" if location else self.name
-        return f"{where}: {dotted(path)}"
+        return f"{where}: {dotted(self.document.as_written(path))}"
 
     def read(self, path: str) -> Document:
         """Return a changeable copy of a case file's content; many runs may share the file."""
@@ -206,7 +207,7 @@ class Cases:
 
     def _value(self, key: str, data: Any, variant: Variant, path: tuple[str, ...]) -> object:
         """Return the resolved case's value at a key path."""
-        for part in key.split("."):
+        for part in new_path(key.split(".")):
             try:
                 data = data[int(part) if isinstance(data, list | tuple) else part]
             except (KeyError, IndexError, ValueError, TypeError):

@@ -123,13 +123,14 @@ def _of_bisections(
             _, case = made.make(of(one, value))
             if case is None:
                 continue
-            if not any(stage.start.settle for stage in case.stages):
-                text = "has nothing that comes to rest: no stage with settle, nor start.settle"
+            if not any(stage.start.equilibrate for stage in case.stages):
+                text = "has nothing that comes to rest: no stage with `equilibrate`, nor "
+                "start.equilibrate"
                 made.wrong[f"{made.label(('bisect',))}: the case {text}"].append(one.name)
-            elif isinstance(entry.slide, float) and not sliding.watched(entry, case):
-                text = "is for a stage with settle that the key changes; the case has none"
+            elif isinstance(entry.failure_displacement, float) and not sliding.watched(entry, case):
+                text = "is for a stage with `equilibrate` that the key changes; the case has none"
                 made.wrong[f"{made.label(('bisect', 'slide'))}: {text}"].append(one.name)
-            unseen = entry.slide is not None and sliding.unwatched(entry, case)
+            unseen = entry.failure_displacement is not None and sliding.unwatched(entry, case)
             if examine is not None:
                 try:
                     examine(case)

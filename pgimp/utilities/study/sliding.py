@@ -1,4 +1,4 @@
-"""How far a case moves in the stages that settle: what has slid, and rests as a heap, is told."""
+"""How far a case moves in stages with `equilibrate`: what slid, and rests as a heap, is told."""
 
 from __future__ import annotations
 
@@ -38,12 +38,16 @@ def watched(entry: Bisection, case: Case) -> list[int]:
 
 def unwatched(entry: Bisection, case: Case) -> bool:
     """Whether the case may slide unseen: before time 0, by a key that acts there."""
-    return not watched(entry, case) or (stage_of(entry) == 0 and case.start.settle is not None)
+    return not watched(entry, case) or (stage_of(entry) == 0 and case.start.equilibrate is not None)
 
 
 def limit(entry: Bisection, case: Case) -> float | None:
     """Return the greatest displacement of a case at rest; None if any is one."""
-    return CELLS * min(case.grid.cell) if entry.slide == "auto" else entry.slide
+    return (
+        CELLS * min(case.grid.cell)
+        if entry.failure_displacement == "auto"
+        else entry.failure_displacement
+    )
 
 
 def known(entry: Bisection, case: Case, info: Mapping[str, Any]) -> bool:

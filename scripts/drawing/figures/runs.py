@@ -44,7 +44,7 @@ class Run(NamedTuple):
     @property
     def words(self):
         """What differs from cases/compaction.yaml."""
-        method = f"{METHODS[self.method].entry}, particles_per_cell: [{self.per_cell}]"
+        method = f"{METHODS[self.method].entry}, particles-per-cell: [{self.per_cell}]"
         # At least a tenth more than the column, in whole cells.
         size = self.cell * math.ceil(1.1 * LENGTH / self.cell - 1e-9)
         words = [

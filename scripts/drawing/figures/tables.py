@@ -7,7 +7,7 @@ from figures.methods import METHODS
 from figures.profiles import FRACTIONS, INSTANTS, column_run, shock_run
 
 FIELDS = (
-    "problem", "method", "entry", "cell", "particles_per_cell", "step", "speed", "time", "error",
+    "problem", "method", "entry", "cell", "particles-per-cell", "step", "speed", "time", "error",
     "error_dynamic", "worst", "mean_behind", "jump_behind", "particles", "steps", "seconds",
     "state",
 )  # fmt: skip
@@ -34,7 +34,7 @@ def row(run, record):
     found = {field: record.get(names.get(field, field)) for field in FIELDS}
     return found | {
         "problem": run.problem, "method": run.method, "entry": METHODS[run.method].entry,
-        "cell": run.cell, "particles_per_cell": run.per_cell, "step": run.step, "speed": run.speed,
+        "cell": run.cell, "particles-per-cell": run.per_cell, "step": run.step, "speed": run.speed,
         "time": record["time"], "seconds": round(record["seconds"], 3),
         "state": record.get("stopped", "done"),
     }  # fmt: skip

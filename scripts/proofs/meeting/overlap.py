@@ -49,7 +49,7 @@ def _depth(sim):
 
 
 def _total(line, name):
-    return line[name] + sum(line.get(f"{how}.{name}", 0.0) for how in ("escaped", "removed"))
+    return line[name] + sum(line.get(f"{how}.{name}", 0.0) for how in ("outflow", "removed"))
 
 
 def _momenta(case, lines):
@@ -75,7 +75,7 @@ def _momenta(case, lines):
 
 def _everything(line, name, case):
     """A momentum with that of free rigid bodies."""
-    tools = (f"tool.{body}.{name}" for body in case.rigid_bodies)
+    tools = (f"rigid.{body}.{name}" for body in case.rigid_bodies)
     return _total(line, name) + sum(line.get(tool, 0.0) for tool in tools)
 
 
@@ -86,7 +86,7 @@ def _energy(case, lines):
     E = np.array([_total(line, "kinetic-energy") + _total(line, "strain-energy") for line in lines])
     for body, entry in case.rigid_bodies.items():
         if entry.free:
-            E += np.array([line[f"tool.{body}.kinetic-energy"] + line[f"tool.{body}.work"]
+            E += np.array([line[f"rigid.{body}.kinetic-energy"] + line[f"rigid.{body}.work"]
                            for line in lines])  # fmt: skip
     W = np.array([line["external-work"] for line in lines])
     heat = np.array([sum(v for n, v in line.items() if n.endswith("friction-heat"))

@@ -11,7 +11,7 @@ from proofs.scenes.bodies import number
 SOFT = {"model": "neo-hookean", "young": 100.0, "poisson": 0.3, "density": 1.0}
 #: Of the soft solid, and of what is four times as stiff.
 SPEED = 10.0
-FLOOR = {"y-min": {"separating": {"friction": 0.2}}}
+FLOOR = {"y-min": {"unilateral": {"friction": 0.2}}}
 #: Boundaries of each kind, and what its case has besides.
 KINDS = {
     "free": ({}, {}),
@@ -21,9 +21,9 @@ KINDS = {
     "round": (dict.fromkeys(("x-min", "x-max", "y-min", "y-max"), "periodic"), {}),
     "mirror": (FLOOR | {"x-min": "slip"}, {}),
     "mixed": (FLOOR, {"mixed": True}),
-    "space": ({"z-min": "separating"}, {"dimensions": 3}),
+    "space": ({"z-min": "unilateral"}, {"dimensions": 3}),
     "space seam": (
-        {"z-min": "separating", "y-min": "periodic", "y-max": "periodic"}, {"dimensions": 3},
+        {"z-min": "unilateral", "y-min": "periodic", "y-max": "periodic"}, {"dimensions": 3},
     ),
 }  # fmt: skip
 
@@ -45,7 +45,7 @@ def make(rng, kind):
     soft = [name for name, body in bodies.items() if "rigid" not in body]
     if more.get("mixed"):
         for name in soft[1 : 1 + max(1, len(soft) // 2)]:
-            del bodies[name]["configuration"]
+            del bodies[name]["formulation"]
     fast = 0.08 * rng.choice((1.0, 2.0, 4.0)) * SPEED
     middle = [a + 0.5 * s for a, s in zip(origin, size, strict=True)]
     for name, body in bodies.items():
@@ -62,7 +62,7 @@ def make(rng, kind):
     end = number(rng, 0.3, 0.8) * min(size) / SPEED
     case = {
         "format": 1, "dimensions": D, "grid": {"origin": origin, "size": size, "cell": sides},
-        "method": {"shape": "gimp", "particles_per_cell": [rng.choice((2, 2, 3)) for _ in sides]},
+        "method": {"shape": "gimp", "particles-per-cell": [rng.choice((2, 2, 3)) for _ in sides]},
         "time": {"end": end, "step": step},
         "materials": {"soft": SOFT, "stiff": SOFT | {"young": 400.0, "density": 4.0}},
         "bodies": bodies, "boundaries": boundaries, "contact": _laws(rng, bodies, more),
@@ -125,7 +125,7 @@ def _bodies(rng, D, origin, size, boundaries, rings):
             free = rng.random() < 0.6
             body["rigid"] = {"density": number(rng, 0.5, 5.0)} if free else {}
         else:
-            body |= {"material": rng.choice(("soft", "stiff")), "configuration": "initial"}
+            body |= {"material": rng.choice(("soft", "stiff")), "formulation": "total-lagrangian"}
         found["abcdefgh"[len(found)]] = body
     if all("rigid" in body for body in found.values()) or len(found) < 2:
         return _bodies(rng, D, origin, size, boundaries, rings)
@@ -203,7 +203,7 @@ def _laws(rng, bodies, more):
         if len(rigid) > 1 and rng.random() < 0.7:
             laws.append({"bodies": rigid, "restitution": number(rng, 0.0, 1.0), "friction": 0.1})
         if len(soft) > 1 and rng.random() < 0.2:
-            other = rng.choice(({"law": "ignore"}, {"law": "tied"}, {"friction": 0.9}))
+            other = rng.choice(({"law": "ignore"}, {"law": "tie"}, {"friction": 0.9}))
             laws.append({"bodies": soft[:2], **other})
     return laws
 

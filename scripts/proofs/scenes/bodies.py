@@ -234,7 +234,7 @@ def mass_scaling(rng, scene):
     case, bodies = scene.case, scene.case["bodies"].values()
     of = [case["materials"][body["material"]] for body in bodies if "rigid" not in body]
     if (
-        {"exact", "inflow", "body_force"} & {*case}
+        {"exact", "inflow", "body-force"} & {*case}
         or any("absorbing" in str(kind) for kind in case["boundaries"].values())
         or any("absorbing" in str(stage) for stage in case["time"].get("stages", ()))
         or any("density" in body.get("rigid", {}) for body in bodies)

@@ -132,10 +132,10 @@ class Books:
         impulse += time * sum((self._vector(line, name) for name in forces), np.zeros(D))
         gained = sum(
             self._vector(line, name) - self._vector(last, name)
-            for name in ("momentum", "escaped.momentum", "removed.momentum", "damped-momentum")
+            for name in ("momentum", "outflow.momentum", "removed.momentum", "damped-momentum")
         )
         for name in self.case.rigid_bodies:
-            impulse -= time * self._vector(line, f"tool.{name}.force")
+            impulse -= time * self._vector(line, f"rigid.{name}.force")
         off = np.abs(gained - impulse)[self.case.axisymmetric :].max()
         text = f"step {sim.step}: gained {gained.tolist()}, impulses {impulse.tolist()}"
         self._momentum.append((off, sim.step, text))
@@ -172,7 +172,7 @@ class Books:
                     way = np.where(held[: self.D], time * np.array(speed[: self.D]), to - since)
                     work += way @ self._vector(line, f"{column}.{name}")
         for name in self.case.rigid_bodies:
-            work += line[f"tool.{name}.work"] - last[f"tool.{name}.work"]
+            work += line[f"rigid.{name}.work"] - last[f"rigid.{name}.work"]
         done = line["external-work"] - last["external-work"]
         text = f"step {sim.step}: {done!r}, by the particles {work!r}"
         self._work.append((abs(done - work), sim.step, text))
@@ -182,10 +182,10 @@ class Books:
         cases = self.sim.cases
         if any(len(case.rigid_bodies) > 1 or case.constraints or case.boundaries for case in cases):
             return
-        if any(body.configuration == "initial" for body in self.case.bodies.values()):
+        if any(body.formulation == "total-lagrangian" for body in self.case.bodies.values()):
             return
         for name in self.case.rigid_bodies:
-            most = int(every[f"tool.{name}.inside"].max())
+            most = int(every[f"rigid.{name}.penetrating-particles"].max())
             if most:
                 text = f"{most} in '{name}' by more than a quarter of a cell"
                 self.wrong.append(("books: particles inside rigid bodies", text))
@@ -194,7 +194,7 @@ class Books:
         every = {name: np.array([line[name] for line in self._lines]) for name in self._lines[0]}
 
         def total(name):
-            gone = (every.get(f"{how}.{name}", 0.0) for how in ("escaped", "removed"))
+            gone = (every.get(f"{how}.{name}", 0.0) for how in ("outflow", "removed"))
             return every[name] + sum(gone)
 
         self._check_inside(every)
@@ -230,14 +230,14 @@ class Books:
         ]
         free = [n for n, b in case.rigid_bodies.items() if b.free and b not in driven]
         for name in () if case.gravity else free:
-            own, done = every[f"tool.{name}.kinetic-energy"], every[f"tool.{name}.work"]
+            own, done = every[f"rigid.{name}.kinetic-energy"], every[f"rigid.{name}.work"]
             most = max(own.max() + np.abs(done).max(), 1e-300)
             if (gained := float((own - own[0] + done).max()) / most) > RIGID:
                 text = f"{name} gains {gained:.3g} of its energy"
                 self.wrong.append(("books: free rigid body", text))
         loads = (
             "boundaries", "constraints", "tractions", "gravity", "rigid_bodies", "damping",
-            "body_force", "water",
+            "body-force", "water",
         )  # fmt: skip
         held = any(getattr(case, load) for case in self.sim.cases for load in loads)
         if not held and self.D > 1 and len(self._lines) > 1:

@@ -10,8 +10,8 @@ from proofs.scenes.materials import runs
 def _without_hourglass(scene):
     """Take two particles a cell along each direction if there is one along two or more."""
     method = scene.case["method"]
-    if method["particles_per_cell"].count(1) > 1:
-        method["particles_per_cell"] = [max(2, n) for n in method["particles_per_cell"]]
+    if method["particles-per-cell"].count(1) > 1:
+        method["particles-per-cell"] = [max(2, n) for n in method["particles-per-cell"]]
 
 
 def initial(rng, scene):
@@ -24,12 +24,12 @@ def initial(rng, scene):
         return
     meets = rng.kind.random() < 0.6
     case["bodies"] = {
-        name: body if "rigid" in body else body | {"configuration": "initial"}
+        name: body if "rigid" in body else body | {"formulation": "total-lagrangian"}
         for name, body in case["bodies"].items()
         if "rigid" not in body or (meets and "density" not in body["rigid"])
     }
     _without_hourglass(scene)
-    case.pop("escape", None)
+    case.pop("outflow", None)
     default = [{"bodies": "all", "friction": 0.3}] if meets and "contact" in case else []
     laws = [
         entry for entry in case.pop("contact", [])
@@ -42,7 +42,7 @@ def initial(rng, scene):
         case["method"].pop("size", None)
     case["method"].pop("volume", None)
     for face, kind in case["boundaries"].items():
-        if not meets and (kind == "separating" or "separating" in kind):
+        if not meets and (kind == "unilateral" or "unilateral" in kind):
             case["boundaries"][face] = "slip"
 
 
@@ -52,7 +52,7 @@ def cut_cells(rng, scene):
     solids = [body for body in case["bodies"].values() if "rigid" not in body]
     if (
         case["method"]["shape"] not in ("gimp", "finite-gimp", "mpm", "cpdi")
-        or any(body.get("configuration") != "initial" for body in solids)
+        or any(body.get("formulation") != "total-lagrangian" for body in solids)
         or any("points" in body["region"] for body in solids)
     ):
         return False
@@ -64,7 +64,7 @@ def cut_cells(rng, scene):
 def averaged(rng, scene):
     """Averaged mass, of all bodies or of some, where they are in the initial configuration."""
     case = scene.case
-    begun = [b for b in case["bodies"].values() if b.get("configuration") == "initial"]
+    begun = [b for b in case["bodies"].values() if b.get("formulation") == "total-lagrangian"]
     if not begun or case["method"]["shape"] == "mpm":
         return False
     if len(begun) == len(case["bodies"]) and rng.random() < 0.6:
@@ -81,7 +81,7 @@ def both(rng, scene):
     case = scene.case
     solids = [name for name, body in case["bodies"].items() if "rigid" not in body]
     begun = {name for name in solids if not runs(scene, name) and rng.random() < 0.6}
-    if not begun or any("configuration" in body for body in case["bodies"].values()):
+    if not begun or any("formulation" in body for body in case["bodies"].values()):
         return
     if case["method"]["shape"] == "cpdi-corners":  # refused
         return
@@ -89,7 +89,7 @@ def both(rng, scene):
     if len(solids) == len(begun):
         begun.discard(solids[0])
     case["bodies"] = {
-        name: body | {"configuration": "initial"} if name in begun else body
+        name: body | {"formulation": "total-lagrangian"} if name in begun else body
         for name, body in case["bodies"].items()
         if "density" not in body.get("rigid", {})
     }
@@ -147,7 +147,7 @@ def along_the_axis(rng, scene):
     for part in (case, *case["time"].get("stages", ())):
         if "gravity" in part:
             part["gravity"] = _along(part["gravity"])
-        for key in ("boundaries", "escape"):
+        for key in ("boundaries", "outflow"):
             if case["grid"]["origin"][0] == 0.0:
                 part.get(key, {}).pop("x-min", None)
     for body in case["bodies"].values():
@@ -173,9 +173,9 @@ def along_the_axis(rng, scene):
 def _alike(case):
     """All bodies of a material are in the initial configuration, or none is."""
     bodies = [body for body in case["bodies"].values() if "rigid" not in body]
-    if {body.get("configuration") for body in bodies} != {"initial"}:
+    if {body.get("formulation") for body in bodies} != {"total-lagrangian"}:
         for body in case["bodies"].values():
-            body.pop("configuration", None)
+            body.pop("formulation", None)
 
 
 def plates(rng, scene):
@@ -248,20 +248,20 @@ def periodic(rng, scene):
     ]  # fmt: skip
     if laws and len(case["bodies"]) > 1:
         case["contact"] = laws
-    case.pop("body_force", None)
+    case.pop("body-force", None)
     loads = {name: load for name, load in case.pop("tractions", {}).items()
              if load.get("face") not in faces}  # fmt: skip
     if loads:
         case["tractions"] = loads
     for body in case["bodies"].values():
-        body.pop("configuration", None)
+        body.pop("formulation", None)
     case["boundaries"] |= dict.fromkeys(faces, "periodic")
     _turn_along(case, axes)
     for part in (case, *case["time"].get("stages", ())):
         if not loads:
             part.pop("tractions", None)
         for face in faces:
-            part.get("escape", {}).pop(face, None)
+            part.get("outflow", {}).pop(face, None)
             if part is not case:
                 part.get("boundaries", {}).pop(face, None)
         if part is not case and rigid:
@@ -279,9 +279,9 @@ def splines(rng, scene):
     """B-splines in place of another shape."""
     shape = rng.kind.choice(("bspline-quadratic", "bspline-cubic"))
     ghost = {"wall": "ghost"} if rng.kind.random() < 0.3 else {}
-    scene.case["method"] = {"shape": shape, "particles_per_cell": scene.per_cell} | ghost
+    scene.case["method"] = {"shape": shape, "particles-per-cell": scene.per_cell} | ghost
 
 
 def of_corners(rng, scene):
     """Parallelograms in place of another shape."""
-    scene.case["method"] = {"shape": "cpdi-corners", "particles_per_cell": scene.per_cell}
+    scene.case["method"] = {"shape": "cpdi-corners", "particles-per-cell": scene.per_cell}

@@ -61,7 +61,7 @@ from proofs.scenes.stages import settling, stages
 
 SHAPES = ("gimp", "cpdi", "mpm", "finite-gimp", "fuzzy-constant", "fuzzy-nearest")
 BOXES = ("gimp", "finite-gimp", "cpdi")
-WALLS = ("fixed", "slip", "separating", "moving")
+WALLS = ("fixed", "slip", "unilateral", "moving")
 
 
 class Chance(random.Random):
@@ -111,7 +111,7 @@ def method(rng, scene):
     """One of the shapes with its options."""
     shape, counts = rng.kind.choice(SHAPES), (1, 2, 2, 3) if scene.dimension < 3 else (1, 1, 2)
     scene.per_cell = [rng.choice(counts) for _ in scene.cells]
-    entry = {"shape": shape, "particles_per_cell": scene.per_cell}
+    entry = {"shape": shape, "particles-per-cell": scene.per_cell}
     if shape in ("mpm", "gimp") and rng.kind.random() < 0.3:
         entry["volume"] = "initial"
     if shape.startswith("fuzzy"):
@@ -169,12 +169,12 @@ def walls(rng, scene):
 
 
 def rough(rng, scene):
-    """Separating walls have friction."""
+    """Unilateral walls have friction."""
     for face, kind in scene.case["boundaries"].items():
-        if kind == "separating":
+        if kind == "unilateral":
             most = number(rng, 0.05, 1.0)
             friction = most if rng.random() < 0.6 else {"static": most, "kinetic": 0.5 * most}
-            scene.case["boundaries"][face] = {"separating": {"friction": friction}}
+            scene.case["boundaries"][face] = {"unilateral": {"friction": friction}}
 
 
 def absorbing(rng, scene):
@@ -191,13 +191,13 @@ def escape(rng, scene):
     """Most faces that are open let particles out; one that does not may end the run."""
     open_faces = [face for face in scene.faces if face not in scene.case["boundaries"]]
     ways = {face: "remove" if rng.random() < 0.97 else "stop" for face in open_faces}
-    scene.case["escape"] = ways
+    scene.case["outflow"] = ways
 
 
 def sinks(rng, scene):
     """One or two regions anywhere take out what comes into them."""
     bodies = scene.case["bodies"].values()
-    if all(body.get("configuration") == "initial" for body in bodies if "rigid" not in body):
+    if all(body.get("formulation") == "total-lagrangian" for body in bodies if "rigid" not in body):
         return False
     for i in range(rng.choice((1, 1, 2))):
         pairs = zip(*(scene.case["grid"][key] for key in ("origin", "size")), strict=True)
@@ -207,7 +207,7 @@ def sinks(rng, scene):
                for end, sign in (("min", -1.0), ("max", 1.0))}  # fmt: skip
         ball = {"centre": centre, "radius": rng.uniform(0.5, 3.0) * min(scene.cell)}
         region = {"ball": ball} if scene.dimension > 1 and rng.random() < 0.4 else {"box": box}
-        scene.case.setdefault("escape", {})[f"sink{i}"] = {"region": region}
+        scene.case.setdefault("outflow", {})[f"sink{i}"] = {"region": region}
     return True
 
 
@@ -244,7 +244,7 @@ FEATURES = (
     Feature("walls", walls, 0.7, compiled=True),
     Feature("rough walls", rough, 0.3, compiled=True),
     Feature("absorbing faces", absorbing, 0.12, compiled=True),
-    Feature("escape", escape, 0.95),
+    Feature("outflow", escape, 0.95),
     Feature("gravity", gravity, 0.5),
     Feature("traction", traction, 0.25, compiled=True),
     Feature("constraint", constraint, 0.25, compiled=True),

@@ -124,10 +124,10 @@ def _heap(rng, D, count, region, lagrangian=0.0):
         body["velocity"] = [rng.uniform(-1.5, 1.5) for _ in range(D)]
         body["velocity"][-1] = rng.uniform(-2.0, 0.0)
         if rng.random() < lagrangian:
-            body["configuration"] = "initial"
+            body["formulation"] = "total-lagrangian"
         bodies[f"g{n}"] = body
     size = [pitch * (across + 0.5)] * (D - 1) + [pitch * (-(-count // across ** (D - 1)) + 1)]
-    wall = {"separating": {"friction": 0.3}}
+    wall = {"unilateral": {"friction": 0.3}}
     shape = "finite-gimp" if lagrangian else "gimp"
     friction = rng.choice((0.0, 0.3, {"static": 0.6, "kinetic": 0.4}))
     step = rng.choice((0.01, {"courant": 0.4}))
@@ -136,7 +136,7 @@ def _heap(rng, D, count, region, lagrangian=0.0):
         "dimensions": D,
         "grid": {"origin": [0.0] * D, "size": size},
         "method": {
-            "shape": shape, "particles_per_cell": [2] * D,
+            "shape": shape, "particles-per-cell": [2] * D,
             "affine": not lagrangian and rng.random() < 0.7,
         },
         "time": {"end": 1.5 if D == 2 else 0.6, "step": step},

@@ -71,9 +71,7 @@ def weight_above(rng, scene):
     """Bodies begin with the stress of the weight above, along one axis."""
     case, bodies = scene.case, scene.case["bodies"].values()
     if case.get("geometry") == "plane-stress" or any(
-        "density" in body.get("rigid", {})
-        or body.get("configuration")
-        or "points" in body["region"]
+        "density" in body.get("rigid", {}) or body.get("formulation") or "points" in body["region"]
         for body in bodies
     ):
         return False
@@ -130,7 +128,7 @@ def damping(rng, scene):
     case, solid = scene.case, [b for b in scene.case["bodies"].values() if "rigid" not in b]
     if any("density" in body.get("rigid", {}) for body in case["bodies"].values()):
         return
-    initial = {body.get("configuration") == "initial" for body in solid}
+    initial = {body.get("formulation") == "total-lagrangian" for body in solid}
     meets = case.get("contact") or len(solid) < len(case["bodies"]) or initial != {False}
     kinds = {"mass": number(rng, 0.1, 2.0) / scene.end, "kinetic": True}
     if not meets:

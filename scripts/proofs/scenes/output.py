@@ -22,7 +22,7 @@ def frames(rng, scene):
 def grid_frames(rng, scene):
     """Frames of the grid."""
     names = rng.sample(("mass", "momentum", "velocity", "force", "contact"), rng.randint(1, 4))
-    if any(body.get("configuration") == "initial" for body in scene.case["bodies"].values()):
+    if any(body.get("formulation") == "total-lagrangian" for body in scene.case["bodies"].values()):
         names = [name for name in names if name != "contact"]
     scene.case["output"]["grid"] = names
 
@@ -60,7 +60,7 @@ def gauges(rng, scene):
     size, faces = case["grid"]["size"], case["boundaries"]
     origin = case["grid"].get("origin", [0.0] * D)
     seams = {"xyz".index(face[0]) for face, kind in faces.items() if kind == "periodic"}
-    initial = any(body.get("configuration") == "initial" for body in case["bodies"].values())
+    initial = any(body.get("formulation") == "total-lagrangian" for body in case["bodies"].values())
     named = [name for name, body in case["bodies"].items() if "rigid" not in body]
     part = {"box": {"min": [], "max": []}}
     for low, length in zip(origin, size, strict=True):
@@ -83,7 +83,7 @@ def gauges(rng, scene):
     # A stage may open a face.
     later = [stage.get("boundaries") for stage in case["time"].get("stages", ())]
     for face, kind in faces.items() if not any(later) else ():
-        if kind != "periodic" and not (initial and "separating" in kind):
+        if kind != "periodic" and not (initial and "unilateral" in kind):
             found[f"on-{face}"] = {"wall": face}
             if rng.random() < 0.5:  # what presses on the wall
                 d, end = "xyz".index(face[0]), "max" if face.endswith("max") else "min"

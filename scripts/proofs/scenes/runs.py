@@ -183,7 +183,7 @@ def compare(case, folder, rng, steps, ranks=(2, 3)):
             kinds = sorted({Path(each).parts[0] for each in wrong})
             failures.append((f"bits: {', '.join(kinds)}", f"{name}: {', '.join(wrong)}"))
 
-    if any(f'"{key}"' in case.read_text() for key in ("contact", "rigid", "separating")):
+    if any(f'"{key}"' in case.read_text() for key in ("contact", "rigid", "unilateral")):
         where = folder / "anew"
         check(where, "with contact made anew in each step", run(case, where, 1, anew=True))
         shutil.rmtree(where, ignore_errors=True)

@@ -6,11 +6,11 @@ import math
 import time
 
 #: Keys whose entries may go one by one, and what else then has to: entries of their bodies.
-ENTRIES = ("probes", "gauges", "tractions", "constraints", "boundaries", "escape", "bodies")
+ENTRIES = ("probes", "gauges", "tractions", "constraints", "boundaries", "outflow", "bodies")
 #: Keys by path that may go. First come those that do not change what is compiled.
 OPTIONAL = ("output.at", "output.grid", "output.fields", "output.precision", "output.compression",
             "output.every", "history", "gravity", "contact", "method.volume", "method.size",
-            "method.wall", "method.relaxation", "method.affine",
+            "method.wall", "method.pic-damping", "method.affine",
             "method.volumetric")  # fmt: skip
 
 
@@ -181,7 +181,7 @@ def candidates(case):
         yield _without(case, ("bodies", name, "velocity"))
         for key in ("velocity", "rotation", "fixed"):
             yield _without(case, ("bodies", name, "rigid", key))
-    yield case | {"method": case["method"] | {"particles_per_cell": [1] * case["dimensions"]}}
+    yield case | {"method": case["method"] | {"particles-per-cell": [1] * case["dimensions"]}}
     for d, upper in itertools.product(range(case["dimensions"]), (False, True)):
         yield _smaller_grid(case, d, upper)
     if isinstance(case["time"]["step"], dict):

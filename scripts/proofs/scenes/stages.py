@@ -27,7 +27,7 @@ def stages(rng, scene):
     ends = [round(cut * unit, 12) for cut in cuts] + [last]
     time["end"], time["stages"] = ends[0], []
     now = {key: dict(scene.case.get(key, {})) for key in (
-        "materials", "bodies", "boundaries", "tractions", "constraints", "escape"
+        "materials", "bodies", "boundaries", "tractions", "constraints", "outflow"
     )}  # fmt: skip
     for i in range(count):
         stage = {"name": f"stage{i}", "end": ends[i + 1]}
@@ -57,7 +57,7 @@ def settling(rng, scene):
             held[name] = entry and {**(held.get(name) or {}), **entry}
         walls |= part.get("boundaries", {})
         gone |= set(part.get("remove", ()))
-    stage = {"name": "rest", "settle": {"tolerance": number(rng, 0.2, 0.9), "steps": 200}}
+    stage = {"name": "rest", "equilibrate": {"tolerance": number(rng, 0.2, 0.9), "steps": 200}}
     still = {"velocity": [0.0] * scene.dimension}
     if stops := [name for name, entry in held.items() if entry and entry["body"] not in gone]:
         freed = still | {"force": [], "mass": 0.0, "spring": None}
@@ -106,7 +106,9 @@ def strength(rng, scene, now, stage):
     """Soils are weaker, or again as strong as they were."""
     soils = [each for each in now["materials"].values() if "friction-angle" in each]
     if soils and not any(isinstance(v, dict) for each in soils for v in each.values()):
-        stage["strength"] = {"factor": number(rng, 1.0, 1.5)} if rng.random() < 0.7 else None
+        stage["strength-reduction"] = (
+            {"factor": number(rng, 1.0, 1.5)} if rng.random() < 0.7 else None
+        )
 
 
 def gravity(rng, scene, now, stage):
@@ -119,7 +121,7 @@ def walls(rng, scene, now, stage):
     """A face holds otherwise, or lets go."""
     faces = now["boundaries"]
     for face, kind in list(faces.items()):
-        separates = kind == "separating" or (isinstance(kind, dict) and "separating" in kind)
+        separates = kind == "unilateral" or (isinstance(kind, dict) and "unilateral" in kind)
         if separates or rng.random() < 0.5:
             continue
         ways = ("fixed", "slip", None)
@@ -130,8 +132,8 @@ def walls(rng, scene, now, stage):
         faces[face] = other
         if other is None:
             del faces[face]
-            if scene.case.get("escape") and rng.random() < 0.95:
-                stage.setdefault("escape", {})[face] = "remove"
+            if scene.case.get("outflow") and rng.random() < 0.95:
+                stage.setdefault("outflow", {})[face] = "remove"
 
 
 def tractions(rng, scene, now, stage):

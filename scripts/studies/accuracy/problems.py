@@ -18,7 +18,7 @@ STEEL = 7800.0 * sqrt(200.0e9 / 7800.0)  # impedance of the bars of Hopkinson
 
 def bar(cell, configuration="current", shape="gimp"):
     """A bar that hangs, and whose weight sets in at once."""
-    body = {"bar": {"material": "rubber", **filled([0.0], [L]), "configuration": configuration}}
+    body = {"bar": {"material": "rubber", **filled([0.0], [L]), "formulation": configuration}}
     return case_of(
         [L + 0.08], cell, {"rubber": RUBBER}, body, 0.3, courant=0.2, gravity=[G],
         boundaries={"x-min": "fixed"}, history=OFTEN, probes={"tip": {"body": "bar", "at": [L]}},
@@ -41,8 +41,8 @@ def thrown(cell, configuration="current"):
     """A bar that is thrown at a wall, which lets it go again."""
     body = {"material": "rubber", **filled([0.0], [L]), "velocity": [-0.2]}
     return case_of(
-        [L + 0.4], cell, {"rubber": RUBBER}, {"bar": body | {"configuration": configuration}},
-        0.15, courant=0.2, boundaries={"x-min": "separating"}, history=OFTEN,
+        [L + 0.4], cell, {"rubber": RUBBER}, {"bar": body | {"formulation": configuration}},
+        0.15, courant=0.2, boundaries={"x-min": "unilateral"}, history=OFTEN,
         probes={"end": {"body": "bar", "at": [L]}},
     )  # fmt: skip
 
@@ -61,7 +61,7 @@ def struck(cell, configuration="current"):
 
     def one(low, velocity):
         part = {"material": "rubber", **filled([low], [low + L]), "velocity": [velocity]}
-        return part | {"configuration": configuration}
+        return part | {"formulation": configuration}
 
     return case_of(
         [2.4], cell, {"rubber": RUBBER}, {"left": one(0.2, 0.1), "right": one(1.2, -0.1)}, 0.15,
@@ -81,7 +81,7 @@ def column(cell, **method):
     """Ground 1 m deep and 0.5 m wide whose weight sets in slowly, held at its sides."""
     ground = {"model": "hooke", "young": 1.6e7, "poisson": 0.3, "density": 1000.0}
     body = {"material": "ground", **filled([0.0, 0.0], [0.5, 1.0])}
-    body["configuration"] = method.pop("configuration", "current")
+    body["formulation"] = method.pop("formulation", "updated-lagrangian")
     turns = [[k / 10.0, [0.0, -0.5 * G * (1.0 - cos(0.1 * pi * k))]] for k in range(11)]
     return case_of(
         [0.5, 1.25], cell, {"ground": ground}, {"ground": body}, 1.2, courant=0.4, method=method,
@@ -102,7 +102,7 @@ COLUMN = (
 def flying(cell, spin=0.0, **method):
     """A block of 0.6 x 0.4 m that falls, or that turns freely."""
     body = {"material": "rubber", **filled([0.6, 0.7], [1.2, 1.1])}
-    body["configuration"] = method.pop("configuration", "current")
+    body["formulation"] = method.pop("formulation", "updated-lagrangian")
     if spin:
         body["velocity"] = {
             "translation": [0.0, 0.0],
@@ -162,7 +162,7 @@ def problems():
     for cell, way in ((0.04, "current"), (0.02, "current"), (0.04, "initial"), (0.02, "initial")):
         yield f"hanging bar, cells {cell}, {way}", bar(cell, way), {}, HANGING
         yield f"thrown bar, cells {cell}, {way}", thrown(cell, way), {}, THROWN
-    yield "hanging bar, one a cell", bar(0.04), {"method.particles_per_cell": [1]}, HANGING
+    yield "hanging bar, one a cell", bar(0.04), {"method.particles-per-cell": [1]}, HANGING
     yield "hanging bar, cpdi", bar(0.04, shape="cpdi"), {}, HANGING
     for cell, way in ((0.05, "current"), (0.025, "current"), (0.05, "initial")):
         yield f"bars that meet, cells {cell}, {way}", struck(cell, way), {}, STRUCK
@@ -170,7 +170,11 @@ def problems():
         case = column(cell, configuration=way)
         yield f"column of ground, cells {cell}, {way}", case, {}, COLUMN
     yield "falling block", flying(0.1), {}, FALLING
-    turning = {"gimp": {}, "affine": {"affine": True}, "initial": {"configuration": "initial"}}
+    turning = {
+        "gimp": {},
+        "affine": {"affine": True},
+        "initial": {"formulation": "total-lagrangian"},
+    }
     for way, method in turning.items():
         spun = (
             ("angular-momentum-z", "end", 8.0 * _INERTIA),
@@ -198,7 +202,7 @@ def problems():
     )
     yield from shipped("shock", shock, [1.0], [0.5])
     hammer = tuple(
-        ("tool.hammer.velocity-x", t, -5.0 * exp(-sqrt(30.0e9 * 2400.0) * t / 15600.0))
+        ("rigid.hammer.velocity-x", t, -5.0 * exp(-sqrt(30.0e9 * 2400.0) * t / 15600.0))
         for t in (1.0e-3, 3.0e-3, 1.0e-2)
     )
     yield from shipped("pile", hammer, [0.4], [0.2])

@@ -16,11 +16,11 @@ from pgimp.schema.document import parse
 METHODS = {
     "former default": {},
     "affine": {"affine": True},
-    "affine, mean": {"affine": True, "volumetric": "mean"},
+    "affine, mean": {"affine": True, "volumetric": "b-bar"},
     "cpdi, affine": {"shape": "cpdi", "affine": True},
     "finite-gimp, affine": {"shape": "finite-gimp", "affine": True},
-    "initial": {"configuration": "initial"},
-    "initial, mean": {"configuration": "initial", "volumetric": "mean"},
+    "initial": {"formulation": "total-lagrangian"},
+    "initial, mean": {"formulation": "total-lagrangian", "volumetric": "b-bar"},
 }
 
 
@@ -38,7 +38,7 @@ def bare(data: dict) -> dict:
     data["time"] = {key: value for key, value in data["time"].items() if key != "step"}
     if not any(set(entry) - {"bodies"} for entry in data.get("contact", ())):
         data.pop("contact", None)
-    keys = ("configuration", "mass")
+    keys = ("formulation", "mass")
     data["bodies"] = {
         name: {key: value for key, value in body.items() if key not in keys}
         for name, body in data["bodies"].items()
@@ -49,14 +49,14 @@ def bare(data: dict) -> dict:
 def named(data: dict, method: dict, contact) -> dict:
     """The bare case with a method, of former defaults elsewhere."""
     method = dict(method)
-    configuration = method.pop("configuration", "current")
+    configuration = method.pop("formulation", "updated-lagrangian")
     count = data["dimensions"]
     found = data | {"format": 1, "time": {"step": {"courant": 0.3}} | data["time"]}
-    found["method"] = {"shape": "gimp", "particles_per_cell": [2] * count, **method}
+    found["method"] = {"shape": "gimp", "particles-per-cell": [2] * count, **method}
     if contact:
         found["contact"] = contact
     found["bodies"] = {
-        name: body if "rigid" in body else {**body, "configuration": configuration}
+        name: body if "rigid" in body else {**body, "formulation": configuration}
         for name, body in data["bodies"].items()
     }
     return found

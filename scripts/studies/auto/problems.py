@@ -76,14 +76,14 @@ def _rolling(run):
 def _upsetting(run):
     history = run.history
     holds = (history["time"] > 0.3) & (history["time"] < 0.4)
-    return abs(history["tool.punch.force-y"][holds].mean() / 43755.0 - 1.0)
+    return abs(history["rigid.punch.force-y"][holds].mean() / 43755.0 - 1.0)
 
 
 def _footing(run):
     history = run.history
-    down = -history["tool.strip.displacement-y"]
+    down = -history["rigid.strip.displacement-y"]
     late = (down > 0.012) & (down < 0.016)
-    return abs(history["tool.strip.force-y"][late].mean() / 1.05e4 / (2.0 + np.pi) - 1.0)
+    return abs(history["rigid.strip.force-y"][late].mean() / 1.05e4 / (2.0 + np.pi) - 1.0)
 
 
 def _tube(run):

@@ -43,7 +43,7 @@ def _costs(quick, heaped):
             ratio = motion.cost(apart, D, rounds)
             rows.append((f"two blocks {where}", f"{cells[D]} each, {D}D", f"{ratio:.2f}"))
     for what, cost in (
-        ("block on a `separating` floor, against `slip`", walls.cost),
+        ("block on a `unilateral` floor, against `slip`", walls.cost),
         ("block on a rigid body as wide as it, against `slip`", walls.rigid_cost),
     ):
         rows += [(what, f"{cells[D]}, {D}D", f"{cost(D, rounds):.2f}") for D in (2, 3)]

@@ -79,7 +79,7 @@ def tied(steps=1000, floor="slip"):
     halves = {
         "a": (box([2.0, 1.0], [4.0, 4.0]), motion), "b": (box([4.0, 1.0], [6.0, 4.0]), motion)
     }  # fmt: skip
-    law = [{"bodies": "all", "law": "tied"}]
+    law = [{"bodies": "all", "law": "tie"}]
     found = []
     for bodies, contact in ((whole, []), (halves, law)):
         case = case_of(bodies, [12.0, 8.0], 1.0, 1.0, contact=contact, time=time, **parts)
@@ -118,7 +118,7 @@ def leaving(configuration, cell):
             contact = [{"bodies": "all", "friction": friction}]
             case = case_of(bodies, [3.0] * D, cell, 0.2, contact=contact)
             for body in case["bodies"].values():
-                body["configuration"] = configuration
+                body["formulation"] = configuration
             simulation = pgimp.Simulation(case)
             while not simulation.finished:
                 simulation.step()
@@ -161,7 +161,7 @@ def sticking(cell, angle=24.0, friction=0.7):
     g, slope = 10.0, slope_of(angle)
     ramp = {"table": [[0.0, [0.0, 0.0]], [0.5, [g * slope[0], -g * slope[1]]]]}
     cases = [
-        _on_a_slab(3.0, cell, ramp, entry) for entry in ({"friction": friction}, {"law": "tied"})
+        _on_a_slab(3.0, cell, ramp, entry) for entry in ({"friction": friction}, {"law": "tie"})
     ]
     return apart(cases, np.arange(0.1, 2.2001, 0.1)) / cell
 
@@ -235,7 +235,7 @@ def heap(count=48, steps=800, radius=4.0, columns=(8,), gravity=1.0):
         case = case_of(
             bodies, size, 1.0, 1e3, SOLID | {"young": 1e3}, gravity=[0.0] * (D - 1) + [-gravity],
             boundaries={
-                f"{axis}-{end}": "separating"
+                f"{axis}-{end}": "unilateral"
                 for axis in "xyz"[:D] for end in ("min", "max")[: 1 + (axis != "xyz"[D - 1])]
             },
             contact=contact,

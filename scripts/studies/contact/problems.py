@@ -96,7 +96,7 @@ def corner(cell):
     case = motion.case_of(
         bodies, [6.0, 6.0], cell, 12.0, motion.SOLID | {"young": 1e3}, method={"relaxation": 1.0},
         gravity={"table": [[0.0, [0.0, 0.0]], [ramp, [-a for a in g]]]},
-        boundaries={"x-min": "separating", "y-min": "separating"},
+        boundaries={"x-min": "unilateral", "y-min": "unilateral"},
         contact=[{"bodies": [*pair]} for pair in combinations(bodies, 2)],
     )  # fmt: skip
     simulation = pgimp.Simulation(case)
@@ -189,7 +189,7 @@ def pressed(cell):
     while not simulation.finished:
         simulation.step(1)
         if simulation.time > 0.85 * end:
-            force.append(simulation.diagnostics()["tool.punch.force-y"])
+            force.append(simulation.diagnostics()["rigid.punch.force-y"])
     widths = np.linspace(1.0, 1.5, 100001)
     across = shear * (widths - 1.0 / widths) + lame * np.log(0.7 * widths) / widths
     along = np.interp(0.0, across, widths)

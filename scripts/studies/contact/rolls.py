@@ -27,7 +27,7 @@ def _floor(case, floor, friction, size):
     D = len(size)
     low, high = [0.0] * D, [*size[:-1], FLOOR]
     if floor == "wall":
-        case["boundaries"] = {f"{'xyz'[D - 1]}-min": {"separating": {"friction": friction}}}
+        case["boundaries"] = {f"{'xyz'[D - 1]}-min": {"unilateral": {"friction": friction}}}
         return
     if floor == "rigid":
         far = box([-1.0] * D, [*[s + 1.0 for s in size[:-1]], FLOOR])

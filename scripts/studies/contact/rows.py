@@ -63,7 +63,7 @@ def _slopes(D, what, floor):
 PROBLEMS = {
     "tied": problem(motion.tied, (1000,),
         "0 .0e: tied bodies and one body, difference after 1,000 steps"),
-    "lying": problem(motion.tied, ((1000, "separating"),),
+    "lying": problem(motion.tied, ((1000, "unilateral"),),
         "0 .0e: the same on a wall that lets go"),
     "parting": problem(motion.parting, ((),),
         "0 .0e: a block at rest, of one that touches it and moves away: momentum taken"),
@@ -136,7 +136,7 @@ def jobs(quick):
         for size, arguments in enumerate(problem.arguments[: 1 if quick else 2])
     }
     if quick:
-        found |= {("tied", 0): (motion.tied, 100), ("lying", 0): (motion.tied, 100, "separating")}
+        found |= {("tied", 0): (motion.tied, 100), ("lying", 0): (motion.tied, 100, "unilateral")}
     return found
 
 

@@ -14,7 +14,7 @@ def first(region, dimensions, distance):
     face = f"{'xyz'[dimensions - 1]}-min"
     case = gap.stiff({"a": region}, -np.eye(dimensions)[-1])
     case["grid"]["size"] = [24.0] * dimensions
-    case["boundaries"] = {face: "separating"}
+    case["boundaries"] = {face: "unilateral"}
     return gap.felt(case, distance, f"reaction.{face}-{face[0]}", 1e-14)
 
 
@@ -51,7 +51,7 @@ def bar(cell):
     solid = {"model": "linear-1d", "young": 100.0, "density": 1.0}
     first_line, last = motion.run(motion.case_of(
         {"a": (box([0.5 * cell], [10.0 + 0.5 * cell]), [-0.05])}, [15.0], cell, 7.0, solid,
-        boundaries={"x-min": "separating"},
+        boundaries={"x-min": "unilateral"},
     ))  # fmt: skip
     return (
         -last["momentum-x"] / first_line["momentum-x"],
@@ -66,7 +66,7 @@ def incline(cell, angle=24.0, friction=0.3):
     """
     g, slope = 1.0, motion.slope_of(angle)
     gravity = [g * slope[0], -g * slope[1]]
-    case = _on_a_wall(30.0, cell, gravity, {"separating": {"friction": friction}})
+    case = _on_a_wall(30.0, cell, gravity, {"unilateral": {"friction": friction}})
     (start, begin, end), _, _ = looked(case, (0.0, 1.0, 6.0), a_line)
     sunk = (end["body.block.centre-y"] - start["body.block.centre-y"]) / cell
     exact = g * (slope[0] - friction * slope[1])
@@ -85,7 +85,7 @@ def sticking(cell, angle=24.0, friction=0.6):
     ramp = {"table": [[0.0, [0.0, 0.0]], [1.0, [slope[0], -slope[1]]]]}
     cases = [
         _on_a_wall(12.0, cell, ramp, condition)
-        for condition in ({"separating": {"friction": friction}}, "fixed")
+        for condition in ({"unilateral": {"friction": friction}}, "fixed")
     ]
     return motion.apart(cases, np.arange(0.25, 6.001, 0.25)) / cell
 
@@ -99,13 +99,13 @@ def _on_a_wall(length, cell, gravity, condition):
 
 
 def cost(dimensions, rounds):
-    """Time of a step of a block on a separating floor over that on one that holds it."""
+    """Time of a step of a block on a unilateral floor over that on one that holds it."""
     D, cells = dimensions, float(motion.CELLS[dimensions])
     block = box([2.0] * (D - 1) + [0.0], [cells + 2.0] * (D - 1) + [cells])
     cases = [
         motion.case_of({"a": (block, [0.0] * D)}, [cells + 4.0] * D, 1.0, 1e9,
                        boundaries={f"{'xyz'[D - 1]}-min": condition})
-        for condition in ("slip", "separating")
+        for condition in ("slip", "unilateral")
     ]  # fmt: skip
     return motion.ratio([pgimp.Simulation(case) for case in cases], rounds, 16)
 

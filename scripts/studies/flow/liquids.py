@@ -124,7 +124,7 @@ def floating(method, dimensions, wide=4.0):
     water, unit = across * depth - 0.25 * wide * wide, depth**0.5
 
     def look(sim):
-        return sim.diagnostics()["tool.block.displacement-y"]
+        return sim.diagnostics()["rigid.block.displacement-y"]
 
     seen, speed = run(case, 60.0 * unit, look, 0.5 * unit)
     bottom = begin + float(np.mean(seen[-30:]))
@@ -135,7 +135,7 @@ def floating(method, dimensions, wide=4.0):
 
 
 _ALL = (
-    {}, {"affine": True}, {"affine": True, "volumetric": "mean"}, {"shape": "finite-gimp"},
+    {}, {"affine": True}, {"affine": True, "volumetric": "b-bar"}, {"shape": "finite-gimp"},
     {"shape": "cpdi"}, {"shape": "bspline-quadratic"},
 )  # fmt: skip
 #: Walls that reflect, the default, and such that do not.
@@ -154,7 +154,7 @@ ROWS = (
 
 def words_of(method):
     shape = method.get("shape", "gimp")
-    said = {"affine": "affine", "volumetric": "mean", "wall": "wall: ghost"}
+    said = {"affine": "affine", "volumetric": "b-bar", "wall": "wall: ghost"}
     return ", ".join([shape, *(words for key, words in said.items() if key in method)])
 
 

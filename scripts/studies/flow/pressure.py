@@ -32,7 +32,7 @@ ROWS = (
         (words, cell, changes)
         for words, changes in (
             ("as it is", {}), ("`affine: true`", {"method.affine": True}),
-            ("3 x 3 particles a cell", {"method.particles_per_cell": [3, 3]}),
+            ("3 x 3 particles a cell", {"method.particles-per-cell": [3, 3]}),
             ("`viscosity: {linear: 0.5, quadratic: 0.0}`", {"materials.water.viscosity": _THICK}),
         ) for cell in (0.04, 0.02)
     ),

@@ -110,7 +110,7 @@ def hydrostatic(cell):
     law = {"model": "newtonian", "bulk": 2.0e5, "density": 1000.0, "shear-viscosity": 20.0}
     pool = {"material": "water"} | filled([0.0, 0.0], [0.4, 0.2])
     sim, speed = done(case_of(
-        [0.4, 0.4], cell, {"water": law}, {"pool": pool}, 1.0, method={"volumetric": "mean"},
+        [0.4, 0.4], cell, {"water": law}, {"pool": pool}, 1.0, method={"volumetric": "b-bar"},
         gravity={"table": [[0.0, [0.0, 0.0]], [0.4, [0.0, -G]]]},
         boundaries={"x-min": "slip", "x-max": "slip", "y-min": "slip"},
     ))  # fmt: skip
@@ -189,7 +189,7 @@ def footing(cell, volumetric):
         "bodies.strip.region.box.max": [half, 3.0],
         "bodies.strip.rigid.velocity.table": [[0.0, [0.0, 0.0]], [0.1, [0.0, -0.4 * cell]]],
     }  # fmt: skip
-    times, force = np.linspace(0.35, 0.5, 31), reading("tool.strip.force-y")
+    times, force = np.linspace(0.35, 0.5, 31), reading("rigid.strip.force-y")
     forces, speed, _ = looked(CASES / "footing.yaml", times, force, changes)
     return (float(np.mean(forces[1:])) / (half * 1.0e4),), speed
 
@@ -210,11 +210,11 @@ def rankine(cell, way, dilation=30.0):
         "wall": {"rigid": recedes, "region": box([2.0, -0.5], [2.8, 2.0])},
     }
     case = case_of(
-        [2.4, 1.2], cell, {"sand": law}, bodies, 2.0, method={"volumetric": "mean"},
+        [2.4, 1.2], cell, {"sand": law}, bodies, 2.0, method={"volumetric": "b-bar"},
         gravity={"table": [[0.0, [0.0, 0.0]], [0.5, [0.0, -1.0]]]},
         contact=[{"bodies": ["fill", "wall"]}], boundaries={"x-min": "slip", "y-min": "slip"},
     )  # fmt: skip
-    thrusts, speed, _ = looked(case, np.linspace(1.5, 2.0, 51), reading("tool.wall.force-x"))
+    thrusts, speed, _ = looked(case, np.linspace(1.5, 2.0, 51), reading("rigid.wall.force-x"))
     return (float(np.mean(thrusts[1:])) / 0.5,), speed
 
 

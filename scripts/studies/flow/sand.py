@@ -12,7 +12,7 @@ LOOSE = {
     "cohesion": 0.0, "friction-angle": 36.87,
 }  # fmt: skip
 #: A floor on which sand slides by its own friction.
-ROUGH = {"separating": {"friction": 0.6}}
+ROUGH = {"unilateral": {"friction": 0.6}}
 
 
 def heap(cell, ratio, volumetric="pointwise", shape="gimp", floor=None):
@@ -63,7 +63,7 @@ def rest(cell, relaxation):
     """
     most = [0.0]
     changes = {
-        "grid.cell": [cell, cell], "time.end": 2.0, "method.relaxation": relaxation,
+        "grid.cell": [cell, cell], "time.end": 2.0, "method.pic-damping": relaxation,
         "output.every": None,
     }  # fmt: skip
     sim, speed = done(
@@ -108,7 +108,8 @@ def slide(cell, material, surface):
     )  # fmt: skip
     inside = [0]
     sim, speed = done(
-        case, lambda sim: inside.append(sim.diagnostics()["tool.slope.inside"]) or False
+        case,
+        lambda sim: inside.append(sim.diagnostics()["rigid.slope.penetrating-particles"]) or False,
     )
     return (float(max(inside)) / len(sim.particles["id"]),), speed
 

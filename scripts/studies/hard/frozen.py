@@ -46,7 +46,7 @@ def rubber(end, region, velocity, **more):
         "grid": {"origin": [-0.8, 0.0], "size": [3.6, 1.6], "cell": [0.0125] * 2},
         "time": {"end": end}, "materials": {"rubber": entry},
         "bodies": {"body": {"material": "rubber", "region": region, "velocity": velocity}},
-        "boundaries": {"y-min": "separating"}, **more,
+        "boundaries": {"y-min": "unilateral"}, **more,
     }  # fmt: skip
 
 
@@ -134,9 +134,9 @@ def frozen(scene, shape, affine, per_cell, configuration):
     """Frozen and all elastic energy of the body at the end, over its kinetic energy at first."""
     case = {"format": 1, "dimensions": 2, **scene}
     case["time"] = scene["time"] | {"step": {"courant": 0.35}}
-    case["method"] = {"shape": shape, "affine": affine, "particles_per_cell": [per_cell] * 2}
+    case["method"] = {"shape": shape, "affine": affine, "particles-per-cell": [per_cell] * 2}
     bodies = scene["bodies"].items()
-    case["bodies"] = {name: body | {"configuration": configuration} for name, body in bodies}
+    case["bodies"] = {name: body | {"formulation": configuration} for name, body in bodies}
     sim = core(case)
     case, p, live = sim.scene.case, sim.particles, sim.live()
     places = by_id(sim, p.x[live])

@@ -1,4 +1,4 @@
-"""Presses an elastic half-cylinder onto a separating wall, and compares the contact with Hertz's.
+"""Presses an elastic half-cylinder onto a unilateral wall, and compares the contact with Hertz's.
 
     scripts/hard hertz [--cells 2 4 8] [--shape gimp] [--per-cell 2 4] [--docs]
 
@@ -47,7 +47,7 @@ def scene(cells, shape, per_cell):
         [wide, (across + 6) * h], h, {"rubber": rubber},
         {"half": {"material": "rubber", "region": half, "surface": "cut"}}, 1.0 / SPEED,
         courant=0.4, per_cell=per_cell, method={"shape": shape},
-        boundaries={"y-min": "separating"},
+        boundaries={"y-min": "unilateral"},
         constraints={"top": {"body": "half", "region": upper, "velocity": [0.0, -SPEED]}},
         output={"fields": ["velocity"]},
     )  # fmt: skip

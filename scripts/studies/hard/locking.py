@@ -11,7 +11,7 @@ OFFSETS = (0.0, 0.13, 0.29, 0.5)
 #: Poisson's ratio and cells over the height.
 KINDS = ((0.3, 8), (0.499, 4), (0.499, 8), (0.4999, 8))
 _MEAN = {"method.volumetric": "mean"}
-_INITIAL = {"bodies.beam.configuration": "initial"}
+_INITIAL = {"bodies.beam.formulation": "initial"}
 METHODS = {
     "gimp": {"method.shape": "gimp"},
     "gimp, mean": {"method.shape": "gimp"} | _MEAN,

@@ -21,7 +21,7 @@ def block(dimensions, configuration, volumetric):
     n = CELLS[dimensions]
     rubber = {"model": "neo-hookean", "young": 1.0, "poisson": 0.4, "density": 1.0}
     body = {
-        "material": "rubber", "configuration": configuration,
+        "material": "rubber", "formulation": configuration,
         "velocity": [1e-3] + [0.0] * (dimensions - 1),
     }  # fmt: skip
     body |= filled([2.3] * dimensions, [2.3 + n] * dimensions)
@@ -42,7 +42,7 @@ def rates(dimensions):
 
 def main():
     table = Table(
-        "`volumetric`, `configuration`", "2D, million particle-steps/s", "of pointwise",
+        "`volumetric`, `formulation`", "2D, million particle-steps/s", "of pointwise",
         "3D, million particle-steps/s", "of pointwise",
     )  # fmt: skip
     both = [rates(dimensions) for dimensions in (2, 3)]

@@ -117,7 +117,7 @@ SHORT = {"time.end": 0.5, "grid.cell": [1.0], "time.step": 2.0e-4}
 ROWS = (
     Row("translation", "translation", exact_error, {},
         {"time.end": 40.0, "exact.spinning-block.period": 80.0}),
-    Row("translation, relaxation 1", "translation", exact_error, {"method.relaxation": 1.0}),
+    Row("translation, relaxation 1", "translation", exact_error, {"method.pic-damping": 1.0}),
     Row("translation, affine", "translation", exact_error, AFFINE),
     Row("column, cell 1", "column", exact_error, {"grid.cell": [1.0], "time.step": 2.0e-4}, SHORT),
     Row("column, cell 0.25", "column", exact_error, {"grid.cell": [0.25], "time.step": 5.0e-5}),
@@ -128,7 +128,7 @@ ROWS = (
     ),
     Row(
         "column, cell 0.25, relaxation 500", "column", exact_error,
-        {"grid.cell": [0.25], "time.step": 5.0e-5, "method.relaxation": 500.0},
+        {"grid.cell": [0.25], "time.step": 5.0e-5, "method.pic-damping": 500.0},
     ),
     Row(
         "column, cell 0.25, affine", "column", exact_error,
@@ -136,7 +136,9 @@ ROWS = (
     ),
     Row("shock", "shock", shock_error, NO_VISCOSITY, {}),
     Row("shock, viscosity", "shock", shock_error, {}, {}),
-    Row("shock, relaxation 500", "shock", shock_error, NO_VISCOSITY | {"method.relaxation": 500.0}),
+    Row(
+        "shock, relaxation 500", "shock", shock_error, NO_VISCOSITY | {"method.pic-damping": 500.0}
+    ),
     Row("spinning", "spinning", lost_spin, {}, {"time.end": 20.0 * pi}),
     Row("spinning, cell 0.05, 5 turns", "spinning", lost_spin,
         {"grid.cell": [0.05, 0.05], "time.end": 100.0 * pi, "output.every": None}, None,
@@ -144,14 +146,14 @@ ROWS = (
     Row("spinning, affine", "spinning", lost_spin, AFFINE, AFFINE | {"time.end": 20.0 * pi}),
     Row("stretch", "stretch", pull_error, {}, {}),
     Row("stretch, affine", "stretch", pull_error, AFFINE),
-    Row("stretch, 4 a cell", "stretch", pull_error, {"method.particles_per_cell": [4]}),
+    Row("stretch, 4 a cell", "stretch", pull_error, {"method.particles-per-cell": [4]}),
     Row("bending, 0.3", "bending", deflection_error, {"materials.rubber.poisson": 0.3},
         {"grid.cell": [0.25, 0.25]}),
     Row("bending, 0.499, cell 0.25", "bending", deflection_error, {"grid.cell": [0.25, 0.25]}),
     Row("bending, 0.499, cell 0.125", "bending", deflection_error),
     Row("blocks", "blocks", rebound_error, DRY),
     Row("blocks, viscosity", "blocks", rebound_error),
-    Row("blocks, relaxation 1", "blocks", rebound_error, DRY | {"method.relaxation": 1.0}),
+    Row("blocks, relaxation 1", "blocks", rebound_error, DRY | {"method.pic-damping": 1.0}),
     Row("blocks, affine", "blocks", rebound_error, DRY | AFFINE),
 )  # fmt: skip
 

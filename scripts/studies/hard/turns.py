@@ -32,7 +32,7 @@ def changes(shape, configuration, cells, speed):
     body = filled([low, low], [low + cells, low + cells])
     body |= {
         "velocity": {"rotation": {"about": [middle, middle], "rate": rate}},
-        "configuration": configuration,
+        "formulation": configuration,
     }
     end = TURNS[-1] * 2.0 * pi / rate
     sim = simulation((shape, True, 2), [2 * cells] * 2, body, end, poisson=POISSON)

@@ -18,7 +18,7 @@ def column(shape, wall):
 
     Of the tip it is how far it stands too high, over the length.
     """
-    method = f"method={{shape: {shape}, particles_per_cell: [2], wall: {wall}}}"
+    method = f"method={{shape: {shape}, particles-per-cell: [2], wall: {wall}}}"
     sim = finished(core(CASES / "compaction.yaml", [method, "output.every=null"]))
     b = -WEIGHT / LENGTH
     length = LENGTH + b * LENGTH**2 / (2.0 * YOUNG)

@@ -15,7 +15,7 @@ SMOOTH = "initial, smooth"
 WORDS = {
     "at rest": "block at rest on the lattice",
     "moving": "block that moves",
-    "mean": "the same at rest with `volumetric: mean`",
+    "mean": "the same at rest with `volumetric: b-bar`",
     "metal": "the same of `von-mises`",
     "random": "particles at random places",
 }

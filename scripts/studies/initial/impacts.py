@@ -23,7 +23,7 @@ def _bars(starts, configuration, viscosity, cells, end, **parts):
     if any(viscosity):
         law["viscosity"] = dict(zip(("linear", "quadratic"), viscosity, strict=True))
     bodies = {
-        f"bar{n}": {"material": "bar", "configuration": configuration, "velocity": [v]}
+        f"bar{n}": {"material": "bar", "formulation": configuration, "velocity": [v]}
         | filled([a], [a + 1.0])
         for n, (a, v) in enumerate(starts)
     }

@@ -29,7 +29,7 @@ CUBE = 0.0882
 def simulation(size, cell, body, time, configuration, method=None, density=DENSITY, **changes):
     """A neo-Hookean body of two particles a cell and direction."""
     jelly = {"model": "neo-hookean", "young": YOUNG, "poisson": POISSON, "density": density}
-    bodies = {"body": {"material": "jelly", "configuration": configuration} | body}
+    bodies = {"body": {"material": "jelly", "formulation": configuration} | body}
     changes |= {"time": time, "method": method or {}}
     return core(case_of(size, cell, {"jelly": jelly}, bodies, time["end"], **changes))
 
@@ -108,7 +108,8 @@ def stretch(shape, even):
     }
     sim = core(case_of(
         [140.0], 1.0, {"bar": {"model": "linear-1d", "young": 1.0e6, "density": 1.0}},
-        {"body": {"material": "bar", "configuration": "initial"} | filled([49.0], [91.0])}, 16.0,
+        {"body": {"material": "bar", "formulation": "total-lagrangian"} | filled([49.0], [91.0])},
+        16.0,
         method={"shape": shape}, constraints=held,
     ))  # fmt: skip
     p, rows = sim.particles, sim.live()
@@ -126,7 +127,7 @@ def vortex(configuration, amplitude, cell, shape="gimp", affine=False):
     """Greatest error of the displacement over time, root mean square, and when it stopped."""
     jelly = {"model": "neo-hookean", "young": 1000.0, "poisson": 0.3, "density": 1000.0}
     region = {"difference": [ball([0.0, 0.0], r) for r in (1.25, 0.75)]}
-    ring = {"material": "jelly", "configuration": configuration, "region": region}
+    ring = {"material": "jelly", "formulation": configuration, "region": region}
     steps = round(1.0 / (4.0e-3 * cell / 0.05))
     sim = core(case_of(
         [2.6, 2.6], cell, {"jelly": jelly}, {"ring": ring}, 1.0, grid={"origin": [-1.3, -1.3]},
@@ -193,13 +194,13 @@ def hourglass(per_cell, cells=10):
     region = ball([3.0 * h + 0.5 * size, 3.0 * h], 2.9 * h)
     disk = {"region": region, "rigid": {"velocity": [0.0, 0.0]}}
     jelly = {"model": "neo-hookean", "young": YOUNG, "poisson": POISSON, "density": DENSITY}
-    body |= {"material": "jelly", "configuration": "initial", "velocity": [0.0, -0.1 * WAVE]}
+    body |= {"material": "jelly", "formulation": "total-lagrangian", "velocity": [0.0, -0.1 * WAVE]}
     case = case_of(
         [size + 6.0 * h, size + 10.0 * h], h, {"jelly": jelly}, {"body": body, "disk": disk}, end,
         time={"end": end, "step": {"courant": 0.3}}, contact=[{"bodies": "all"}],
     )  # fmt: skip
     model = pgimp.load(case)
-    few = model.method.model_copy(update={"particles_per_cell": (per_cell,) * 2})
+    few = model.method.model_copy(update={"particles-per-cell": (per_cell,) * 2})
     sim = Simulation(model.model_copy(update={"method": few}), Serial())
     found = {}
     while not sim.finished:
@@ -237,9 +238,9 @@ def speed(D, kind, rounds=15, steps=12):
             case["gravity"] = case["gravity"][1:]
             h = case["grid"]["cell"][0]
             case["grid"] = {"size": [264.0 * h] * 2, "cell": [h] * 2}
-            case["method"]["particles_per_cell"] = [2, 2]
+            case["method"]["particles-per-cell"] = [2, 2]
         body = case["bodies"]["block"]
-        body["configuration"] = configuration
+        body["formulation"] = configuration
         if D == 2:
             body |= filled([4.0 * h] * 2, [260.0 * h] * 2) | {"velocity": body["velocity"][:2]}
         if kind == "moving":

@@ -45,11 +45,11 @@ def _configured(configuration):
     def begin(case, overrides=()):
         if isinstance(case, Path):
             of = pgimp.load(case).bodies
-            changes = {f"bodies.{name}.configuration": configuration for name in of}
+            changes = {f"bodies.{name}.formulation": configuration for name in of}
             return plain(case, overrides=dict(overrides) | changes)
         for body in case["bodies"].values():
             if "material" in body:
-                body["configuration"] = configuration
+                body["formulation"] = configuration
         return plain(case, overrides=overrides)
 
     pgimp.Simulation = begin

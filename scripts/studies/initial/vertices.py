@@ -43,7 +43,7 @@ def box_limit(method, offset, per_cell, poisson=0.3):
     """Largest stable dt c/h of a body whose low corner is at an offset to the grid's lines."""
     dimension = len(offset)
     cells = BODIES[dimension][0]
-    entry = {**method, "particles_per_cell": [per_cell] * dimension}
+    entry = {**method, "particles-per-cell": [per_cell] * dimension}
     shape = SHAPES[entry["shape"]].model_validate(entry).fixed((1.0,) * dimension)
     places = ROOM + np.add.outer(offset, (np.arange(cells * per_cell) + 0.5) / per_cell)
     factors = [_weights(shape, x, cells + 2 * ROOM) for x in places]

@@ -22,7 +22,7 @@ def watched(configuration):
     case = case_of(
         [8.0, 8.0], 1.0, {"m": solid},
         {"b": {"material": "m", "region": box([2.0, 3.0], [6.0, 5.0]),
-               "configuration": configuration}},
+               "formulation": configuration}},
         end,
         constraints={"chuck": {
             "body": "b", "region": box([2.0, 3.0], [3.5, 5.0]),

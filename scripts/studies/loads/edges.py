@@ -85,7 +85,7 @@ def bent(angle, configuration="current", rise=60.0):
                 },
             }  # fmt: skip
         region = box([a - 2.0, 6.0], [a + 18.0, 10.0])
-        body = {"material": "m", "region": region, "configuration": configuration}
+        body = {"material": "m", "region": region, "formulation": configuration}
         case = case_of([26.0, 16.0], 1.0, {"m": SOLID}, {"b": body}, rise + 12.0,
                         constraints=grips, damping={"mass": 0.3})  # fmt: skip
         _, moment, turn = _read(
@@ -109,7 +109,7 @@ def ringed(configuration="current"):
             "outer": {"body": "b", "rotation": {"about": c, "rate": rate},
                       "region": {"difference": [ball(c, 9.0), ball(c, 7.0)]}},
         }  # fmt: skip
-        body = {"material": "m", "region": ball(c, 8.5), "configuration": configuration}
+        body = {"material": "m", "region": ball(c, 8.5), "formulation": configuration}
         case = case_of([21.0, 20.0], 1.0, {"m": SOLID}, {"b": body}, 24.0, constraints=grips,
                        damping={"mass": 0.5})  # fmt: skip
         _, moment = _read(case, 20.0, moment=lambda line: line["torque.outer-z"])

@@ -86,7 +86,7 @@ def crossed(across):
     case = case_of(
         [SPAN, HEIGHT + 2.0 * h], h, {"m": solid},
         {"beam": {"material": "m", "region": box([0.0, h], [SPAN, HEIGHT + h]),
-                  "configuration": "initial"}},
+                  "formulation": "total-lagrangian"}},
         way / velocity, boundaries={"x-min": held, "x-max": held},
         tractions={"train": {
             "body": "beam", "pressure": PRESSURE * YOUNG, "follower": False,

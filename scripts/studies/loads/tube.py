@@ -67,9 +67,9 @@ def blown(cells, configuration, pressure, exact, per_cell=2):
     rubber = {"model": "neo-hookean", "young": YOUNG, "poisson": POISSON, "density": 1.0}
     case = case_of(
         size, h, {"m": rubber},
-        {"tube": {"material": "m", "region": region, "configuration": configuration}}, 1.0,
+        {"tube": {"material": "m", "region": region, "formulation": configuration}}, 1.0,
         boundaries={"x-min": "slip", "y-min": "slip"},
-        start={"settle": {"tolerance": 1e-3, "steps": 20000}},
+        start={"equilibrate": {"tolerance": 1e-3, "steps": 20000}},
         tractions={"bore": {
             "body": "tube", "region": {"ball": {"center": [0.0, 0.0], "radius": 1.5}},
             "pressure": pressure * YOUNG,

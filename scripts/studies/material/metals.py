@@ -135,7 +135,7 @@ def taylor_case(cells, **method):
     body = {"region": {"intersection": [bar, quarter]}, "velocity": [-227.0, 0.0, 0.0]}
     return case_of(
         size, cell, {"copper": TAYLOR}, {"bar": {"material": "copper"} | body}, 80e-6,
-        method={"volumetric": "mean", "affine": True} | method,
+        method={"volumetric": "b-bar", "affine": True} | method,
         boundaries={"x-min": "slip", "y-min": "slip", "z-min": "slip"},
     )  # fmt: skip
 

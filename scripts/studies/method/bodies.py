@@ -42,12 +42,12 @@ def simulation(method, size, body, end, courant=0.3, cell=1.0, poisson=0.0, **ch
     The body has its region, and velocity if any; changes are other keys of the case.
     """
     shape, affine, per_cell, configuration = Method(*method)
-    body = {"material": "elastic", "configuration": configuration} | body
+    body = {"material": "elastic", "formulation": configuration} | body
     elastic = {"model": "neo-hookean", "young": 1.0, "poisson": poisson, "density": 1.0}
     return core(case_of(
         size, cell, {"elastic": elastic}, {"body": body}, end, courant=courant, per_cell=per_cell,
         method={"shape": shape, "affine": affine},
-        **({"boundaries": {"x-min": "fixed", "y-min": "separating"}} | changes),
+        **({"boundaries": {"x-min": "fixed", "y-min": "unilateral"}} | changes),
     ))  # fmt: skip
 
 
@@ -76,7 +76,7 @@ def cantilever(method, D, courant=0.3, length=6 * HEIGHT, amplitude=0.2):
 def wave(method, courant=0.3, cells=10, waves=2, amplitude=1e-3):
     """A standing wave between two walls, in 2D; as `cantilever`."""
     length, k = cells * waves, 2.0 * pi / cells
-    walls = {"x-min": "fixed", "x-max": "fixed", "y-min": "separating"}
+    walls = {"x-min": "fixed", "x-max": "fixed", "y-min": "unilateral"}
     body = filled([0, 4], [length, 4 + HEIGHT])
     sim = simulation(method, [length, 12], body, 6.0 * cells, courant, boundaries=walls)
     p, rows = sim.particles, sim.live()

@@ -58,7 +58,7 @@ class Impact(Problem):
     """
 
     sizes, quick = (8, 16, 32, 64), 4
-    walls = (("y-min", "separating"),)
+    walls = (("y-min", "unilateral"),)
     poisson = 0.3
     speed, gap, end = 0.05, 0.05, 8.0
     fine, finest = 128, Method("finite-gimp", True)
@@ -123,7 +123,7 @@ class Hertz(Problem):
         case["grid"] = {"size": [(n + 2) * h, 0.2112], "cell": [h, h]}
         case["method"] = {
             "shape": method.shape, "affine": method.affine,
-            "particles_per_cell": [method.per_cell] * 2,
+            "particles-per-cell": [method.per_cell] * 2,
         }  # fmt: skip
         case["time"]["step"] = {"courant": method.courant}
         deep = max(2.4e-3, h / method.per_cell)  # a layer of particles at least

@@ -43,7 +43,7 @@ def _job(folder, problem, n):
     return {
         "name": name, "cell": h, "vertices": [c + 2 * PAD + 1 for c in frame.cells], "end": end,
         "steps": int(np.ceil(end * speed / (COURANT * h))), "lame": [first, mu],
-        "walls": [["xyz".index(face[0]), kind == "separating"] for face, kind in problem.walls],
+        "walls": [["xyz".index(face[0]), kind == "unilateral"] for face, kind in problem.walls],
         "vortex": problem.vortex(mu / material.density),
     }  # fmt: skip
 

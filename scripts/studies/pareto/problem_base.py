@@ -86,7 +86,7 @@ def body_case(problem, method, size, h, region, end):
     elastic = {"model": "neo-hookean", "young": 1.0, "poisson": problem.poisson, "density": 1.0}
     body = {
         "material": "elastic",
-        "configuration": "initial" if method.initial else "current",
+        "formulation": "total-lagrangian" if method.initial else "current",
         "region": region,
     }
     return case_of(

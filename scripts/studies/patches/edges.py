@@ -16,7 +16,7 @@ def beam(edge=0.44, cell=0.01):
     case = {
         "format": 1, "dimensions": 2, "geometry": "plane-stress",
         "grid": {"size": [0.60, 0.30], "cell": [h, h]},
-        "method": {"shape": "gimp", "particles_per_cell": [2, 2], "affine": True},
+        "method": {"shape": "gimp", "particles-per-cell": [2, 2], "affine": True},
         "time": {"end": 1.2, "step": {"courant": 0.5}},
         "materials": {"solid": {"model": "neo-hookean", "young": young, "poisson": 0.3,
                                 "density": 1000.0}},
@@ -82,7 +82,7 @@ def plate(edge=38.0, cell=1.0):
     case = {
         "format": 1, "dimensions": 2, "geometry": "axisymmetric",
         "grid": {"size": [42.0, 40.0], "cell": [cell, cell]},
-        "method": {"shape": "gimp", "particles_per_cell": [2, 2]},
+        "method": {"shape": "gimp", "particles-per-cell": [2, 2]},
         "time": {"end": 1.5e-3, "step": {"courant": 0.5}},
         "materials": {"solid": {"model": "neo-hookean", "young": 2.1e5, "poisson": 0.3,
                                 "density": 7.85e-9}},

@@ -50,7 +50,7 @@ def _books(first, lines):
         + sum(
             value
             for key, value in line.items()
-            if key.startswith("tool.") and key.endswith(".work")
+            if key.startswith("rigid.") and key.endswith(".work")
         )
         for line in lines
     ]
@@ -129,10 +129,10 @@ def peg(clearance=0.05, speed=0.02, friction=0.2):
     }
 
 
-def pile(count=10, side=(4.0, 3.0), steps=100_000, load=1e-3, floor="separating", friction=0.3):
+def pile(count=10, side=(4.0, 3.0), steps=100_000, load=1e-3, floor="unilateral", friction=0.3):
     """A pile of blocks at rest: depth, energy and way of the last half of its steps."""
     D, (wide, high) = 2, side
-    bodies, y = {}, 0.0 if floor == "separating" else 2.0
+    bodies, y = {}, 0.0 if floor == "unilateral" else 2.0
     for k in range(count):
         low = np.array([3.0 + 0.17 * (k % 3), y + high * k])
         bodies[f"b{k}"] = exact(box(low, low + np.array([wide, high])))
@@ -140,8 +140,8 @@ def pile(count=10, side=(4.0, 3.0), steps=100_000, load=1e-3, floor="separating"
     names = [*bodies]
     contact = [{"bodies": two, "friction": friction} for two in pairwise(names)]
     more = {}
-    if floor == "separating":
-        more["boundaries"] = {"y-min": {"separating": {"friction": friction}}}
+    if floor == "unilateral":
+        more["boundaries"] = {"y-min": {"unilateral": {"friction": friction}}}
     else:
         bodies["floor"] = {"rigid": {}, "region": box([0.5, 0.5], [10.0, 2.0])}
         contact.append({"bodies": ["b0", "floor"], "friction": friction})

@@ -13,7 +13,7 @@ SOLID = {"model": "neo-hookean", "young": YOUNG, "poisson": POISSON, "density": 
 
 def exact(region, velocity=None, **more):
     """Entry of a body that is exact to its surface."""
-    entry = {"material": "solid", "region": region, "configuration": "initial"}
+    entry = {"material": "solid", "region": region, "formulation": "total-lagrangian"}
     return entry | ({"velocity": velocity} if velocity is not None else {}) | more
 
 

@@ -10,7 +10,7 @@ RUBBER = {"model": "neo-hookean", "young": 3.0e5, "poisson": 0.3, "density": 100
 def _block(low, cells):
     """A block, exact to its surface, given in cells."""
     low = np.array(low, float)
-    return {"material": "solid", "configuration": "initial", "surface": "exact",
+    return {"material": "solid", "formulation": "total-lagrangian", "surface": "exact",
             "region": box(CELL * low, CELL * (low + cells))}  # fmt: skip
 
 
@@ -21,7 +21,7 @@ def scene(kind, cells, gap=0.0):
     size = [*(cells[:2] + 6), 2 * cells[2] + 12]
     bodies = {"block": _block(np.add(low, (0.0, 0.0, gap)), cells)}
     if kind != "rigid":
-        more["boundaries"] = {"z-min": {"separating": {"friction": 0.3}}}
+        more["boundaries"] = {"z-min": {"unilateral": {"friction": 0.3}}}
     else:
         below = box([0.5 * CELL] * 3, CELL * np.array([*(cells[:2] + 5.5), 2.0]))
         bodies["floor"] = {"rigid": {}, "region": below}

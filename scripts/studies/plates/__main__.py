@@ -28,7 +28,7 @@ def bar(cells, configuration):
     case = case_of(
         [LENGTH + 2.0 * cell, high], cell,
         {"m": {"model": "hooke", "young": YOUNG, "poisson": POISSON, "density": 1.0}},
-        {"b": {"material": "m", "configuration": configuration,
+        {"b": {"material": "m", "formulation": configuration,
                "region": box([0.0, 0.0], [LENGTH, high])}},
         2.0 * LENGTH / SPEED, geometry="plane-stress", gravity=[GRAVITY, 0.0],
         boundaries={"x-min": "slip", "y-min": "slip", "y-max": "slip"},

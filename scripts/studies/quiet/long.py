@@ -26,7 +26,7 @@ def settled():
         bodies={"b": {"material": "m", "region": {"intersection": [whole, region]}}},
         boundaries={face: "absorbing" for face in ("x-min", "x-max", "y-min")},
     )
-    return case | {"start": {"stress": {"k0": 0.6}, "settle": {"tolerance": 1e-8}}}
+    return case | {"start": {"stress": {"k0": 0.6}, "equilibrate": {"tolerance": 1e-8}}}
 
 
 def rounds(steps):
@@ -64,14 +64,14 @@ def channel(steps):
     for _ in range(100):
         sim.step(steps // 100)
         line = a_line(sim)
-        lost = max(lost, abs(line["mass"] - line["inflow.mass"] + line["escaped.mass"] - begun))
+        lost = max(lost, abs(line["mass"] - line["inflow.mass"] + line["outflow.mass"] - begun))
     return lost / begun, sim.particles["velocity"][:, 0].mean()
 
 
 def ring(configuration, steps):
     """A tube that breathes freely: mean energy of the last tenth of steps, over the first's."""
     region = box([1.0, 0.0], [2.0, 1.0])
-    body = {"material": "m", "configuration": configuration, "region": region}
+    body = {"material": "m", "formulation": configuration, "region": region}
     sim = core(case_of(
         [4.0, 2.0], 0.25, {"m": SOFT}, {"b": body}, 1e9, geometry="axisymmetric",
         boundaries={"y-min": "slip"}, method={"affine": configuration == "current"},

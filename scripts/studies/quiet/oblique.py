@@ -27,7 +27,7 @@ def spread(wave, ahead, configuration):
     size, point = [2.0 * FREE, ahead + FREE], np.array([FREE, ahead])
     case = case_of(
         size, 1.0, {"m": {"model": "hooke", "young": YOUNG, "poisson": POISSON, "density": 1.0}},
-        {"b": {"material": "m", "configuration": configuration, "region": box([0.0, 0.0], size)}},
+        {"b": {"material": "m", "formulation": configuration, "region": box([0.0, 0.0], size)}},
         2.0 * FREE / SPEED[wave], boundaries={"y-min": "absorbing"},
     )  # fmt: skip
     sim = core(case)

@@ -67,7 +67,7 @@ def pressed(kind, body, pressure):
 
 def strut(kind, configuration):
     """Ten times as high as thick, held below, under its weight and a pressure on its end."""
-    body = {"material": "m", "configuration": configuration,
+    body = {"material": "m", "formulation": configuration,
             "region": lying(kind, (0.0, 0.05), (0.0, 1.0), (0.0, 0.05))}  # fmt: skip
     stiff = plate_modulus(RUBBER) if kind == "2D" else RUBBER["young"]
     case = assembled(
@@ -80,7 +80,7 @@ def strut(kind, configuration):
 
 def cantilever(kind, configuration):
     """Ten times as long as high, four cells, under a pressure on its upper face."""
-    body = {"material": "m", "configuration": configuration,
+    body = {"material": "m", "formulation": configuration,
             "region": lying(kind, (0.0, 1.0), (0.3, 0.4), (0.0, 0.025))}  # fmt: skip
     case = assembled(
         kind, (1.1, 0.6), 0.025, {"m": RUBBER}, {"b": body}, {"x-min": "fixed"}, (0.0, 0.0),
@@ -96,7 +96,7 @@ def plate(kind, configuration):
     A strip, a quarter of a square or a circle: ten or, of the square, five times as long as high.
     """
     a = 0.5 if kind == "3D" else 1.0
-    body = {"material": "m", "configuration": configuration,
+    body = {"material": "m", "formulation": configuration,
             "region": lying(kind, (0.0, a), (0.2, 0.3), (0.0, a))}  # fmt: skip
     held = {"2D": ("fixed", "fixed"), "rings": (None, "fixed"), "3D": ("fixed", "slip")}[kind]
     faces = {"x-min": held[0], "x-max": held[1], "y-min": held[0], "y-max": held[1]}
@@ -111,7 +111,7 @@ def plate(kind, configuration):
 
 def turek(kind, configuration):
     """The beam CSM1 of Turek and Hron: 17 times as long as high, bends by a fifth of its length."""
-    body = {"material": "m", "configuration": configuration,
+    body = {"material": "m", "formulation": configuration,
             "region": lying(kind, (0.0, 0.35), (0.12, 0.14), (0.0, 0.005))}  # fmt: skip
     case = assembled(
         kind, (0.4, 0.2), 0.005, {"m": SOFT}, {"b": body}, {"x-min": "fixed"}, (0.0, -2.0)
@@ -122,7 +122,7 @@ def turek(kind, configuration):
 
 def tilted(kind, configuration):
     """Water in a tank of ten cells, under gravity that leans by a tenth."""
-    body = {"material": "water", "configuration": configuration,
+    body = {"material": "water", "formulation": configuration,
             "region": lying(kind, (0.0, 1.0), (0.0, 0.4), (0.0, 0.3))}  # fmt: skip
     case = assembled(
         kind, (1.0, 0.8), 0.1, {"water": WATER}, {"b": body},
@@ -141,7 +141,7 @@ def lift(kind, configuration):
         kind, (10.0, 6.0), 0.5, {"m": SOIL}, bodies,
         {"x-min": "slip", "x-max": "slip", "low": "fixed"}, (0.0, -G),
     )  # fmt: skip
-    case["time"]["stages"] = [{"name": "lift", "add": ["lift"], "settle": {}}]
+    case["time"]["stages"] = [{"name": "lift", "add": ["lift"], "equilibrate": {}}]
     return case, 0.5 * pi / 5.0 * sqrt(confined(SOIL) / SOIL["density"]), 1e-4, "b"
 
 
@@ -162,7 +162,7 @@ def settled(case, tolerance):
 
     Raises NoRestError without rest.
     """
-    rest, stages = {"settle": {"tolerance": tolerance}}, case["time"].get("stages")
+    rest, stages = {"equilibrate": {"tolerance": tolerance}}, case["time"].get("stages")
     start = {"stress": {"k0": 0.5}} | rest if stages else rest
     if stages:
         case = case | {"time": case["time"] | {"stages": [stages[0] | rest]}}

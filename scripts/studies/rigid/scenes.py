@@ -43,10 +43,10 @@ def bounces(e, fall=3.0):
     bodies = {"box": free(box([4.3, 3.0 + fall], [7.3, 6.0 + fall])), "floor": FLOOR}
     entry = {"bodies": ["box", "floor"], "restitution": e}
     _, _, line = watched([14.0, 14.0], bodies, 16.0, entry, dt=0.005)
-    y = line["tool.box.displacement-y"] + fall
+    y = line["rigid.box.displacement-y"] + fall
     tops = [y[k] / fall for k in range(1, len(y) - 1) if y[k - 1] < y[k] >= y[k + 1]]
     # Velocities are half a step behind positions.
-    energy = line["tool.box.kinetic-energy"] + 9.0 * (y - 0.5 * np.diff(y, prepend=y[0]))
+    energy = line["rigid.box.kinetic-energy"] + 9.0 * (y - 0.5 * np.diff(y, prepend=y[0]))
     return [top for top in tops if top > 0.1][:3], energy.max() / (9.0 * fall) - 1.0
 
 
@@ -57,8 +57,8 @@ def cradle(first, e=1.0, R=3.0):
     names = [*bodies]
     entry = {"bodies": names, "restitution": e}
     _, _, line = watched([38.0, 10.0], bodies, 3.0, entry, 0.0, 0.02)
-    kinetic = sum(line[f"tool.{name}.kinetic-energy"] for name in names)
-    speeds = [line[f"tool.{name}.velocity-x"][-1] for name in names]
+    kinetic = sum(line[f"rigid.{name}.kinetic-energy"] for name in names)
+    speeds = [line[f"rigid.{name}.velocity-x"][-1] for name in names]
     return speeds, kinetic[-1] / kinetic[0]
 
 
@@ -76,9 +76,9 @@ def oblique(R, e=0.8):
         mass, t = pi * R * R, np.array([-n[1], n[0]])
         push = 0.5 * mass * (1.0 + e) * n[0]
         drag = np.clip(mass * t[0] / 6.0, -friction * push, friction * push)
-        found = [line[f"tool.b.velocity-{x}"][-1] for x in "xy"]
+        found = [line[f"rigid.b.velocity-{x}"][-1] for x in "xy"]
         off[0] = max(off[0], np.abs(found - (push * n + drag * t) / mass).max())
-        spin = line["tool.b.angular-velocity-z"][-1] + 2.0 * drag / (mass * R)
+        spin = line["rigid.b.angular-velocity-z"][-1] + 2.0 * drag / (mass * R)
         off[1] = max(off[1], abs(spin) * R)
     return off
 
@@ -93,8 +93,8 @@ def stack(friction, count=5, high=2.0):
     entry = {"bodies": [*names, "floor"], "friction": friction}
     size = [14.0, 6.0 + high * count]
     _, _, line = watched(size, bodies | {"floor": FLOOR}, 10.0, entry)
-    ways = [np.abs(line[f"tool.{name}.displacement-{x}"]).max() for name in names for x in "xy"]
-    kinetic = sum(line[f"tool.{name}.kinetic-energy"] for name in names)
+    ways = [np.abs(line[f"rigid.{name}.displacement-{x}"]).max() for name in names for x in "xy"]
+    kinetic = sum(line[f"rigid.{name}.kinetic-energy"] for name in names)
     return max(ways), kinetic[len(kinetic) // 2 :].max()
 
 
@@ -108,7 +108,7 @@ def incline(friction, angle=25.0, end=5.0):
     }
     entry = {"bodies": ["box", "floor"], "friction": friction}
     _, _, line = watched([26.0, 20.0], bodies, end, entry)
-    way = np.array([line[f"tool.box.displacement-{x}"][-1] for x in "xy"]) @ along
+    way = np.array([line[f"rigid.box.displacement-{x}"][-1] for x in "xy"]) @ along
     pull = sin(radians(angle)) - friction * cos(radians(angle))
     return way, 0.5 * max(0.0, pull) * end**2
 
@@ -128,7 +128,7 @@ def rocking(wide, slender=3.0, tilt=4.0):
     quarter = acosh(1.0 / (1.0 - theta / alpha)) / p
     end = np.ceil(3.0 * quarter / 0.005) * 0.005
     _, _, line = watched(size, bodies, end, entry, dt=0.005)
-    angle = line["tool.block.angle-z"] - theta
+    angle = line["rigid.block.angle-z"] - theta
     crosses = int(np.argmax(angle > 0.0))
     left = 1.0 - 1.5 * sin(alpha) ** 2
     expected = alpha * (1.0 - sqrt(1.0 - left**2 * (1.0 - (1.0 - theta / alpha) ** 2)))
@@ -146,11 +146,11 @@ def peg(clearance, friction, force=2.0, tilt=2.0):
     }  # fmt: skip
     entry = {"bodies": ["peg", "left", "right"], "friction": friction}
     deep, _, line = watched([16.0, 20.0], bodies, 12.0, entry, 0.0)
-    way = [line[f"tool.peg.displacement-{x}"] for x in "xy"]
+    way = [line[f"rigid.peg.displacement-{x}"] for x in "xy"]
     work = force * (0.3 * way[0] - way[1])
     name = "contact.peg+left+right"
     lost = line[f"{name}.friction-heat"] + line[f"{name}.impact-loss"]
-    off = np.abs(line["tool.peg.kinetic-energy"] + lost - work).max()
+    off = np.abs(line["rigid.peg.kinetic-energy"] + lost - work).max()
     return deep, off / work.max()
 
 
@@ -166,7 +166,7 @@ def pressed(force=20.0, wide=10.0, high=5.0, end=10.0):
     late = line["time"] > 0.8 * end
     way = force / wide * high * (1.0 - 0.3**2) / YOUNG
     return (line["contact.punch+base-y"][late].mean() / force,
-            -line["tool.punch.displacement-y"][late].mean() / way)  # fmt: skip
+            -line["rigid.punch.displacement-y"][late].mean() / way)  # fmt: skip
 
 
 def corner(D, end, side=3.0):
@@ -181,5 +181,5 @@ def corner(D, end, side=3.0):
               "floor": still(box([1.5] * (D - 1) + [0.5], [11.0] * (D - 1) + [2.0]))}  # fmt: skip
     entry = {"bodies": ["cube", "floor"], "friction": 0.3}
     _, _, line = watched([12.0] * (D - 1) + [9.0], bodies, end, entry, dt=0.02)
-    assert abs(degrees(line["tool.cube.angle-x" if D == 3 else "tool.cube.angle-z"][-1])) < 5.0
-    return -line[f"tool.cube.displacement-{'xyz'[D - 1]}"][-1]
+    assert abs(degrees(line["rigid.cube.angle-x" if D == 3 else "rigid.cube.angle-z"][-1])) < 5.0
+    return -line[f"rigid.cube.displacement-{'xyz'[D - 1]}"][-1]

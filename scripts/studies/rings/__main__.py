@@ -88,7 +88,7 @@ def cone(cell):
     while not sim.finished:
         sim.step()
         if sim.steps % 5 == 0 and sim.time > 20.5:  # down by 8 radii
-            found.append(sim.diagnostics()["tool.cone.force-y"] / np.pi)
+            found.append(sim.diagnostics()["rigid.cone.force-y"] / np.pi)
     return np.mean(found), process_time() - began
 
 
@@ -97,7 +97,7 @@ def block(geometry, shape, volumetric):
     sim = pgimp.Simulation({
         "format": 1, "dimensions": 2, "geometry": geometry,
         "grid": {"size": [90.0, 110.0], "cell": [1.0, 1.0]},
-        "method": {"shape": shape, "particles_per_cell": [2, 2], "volumetric": volumetric},
+        "method": {"shape": shape, "particles-per-cell": [2, 2], "volumetric": volumetric},
         "time": {"end": 1.0e4, "step": {"courant": 0.3}},
         "materials": {
             "m": {"model": "neo-hookean", "young": 1.0e3, "poisson": 0.3, "density": 1.0},

@@ -25,14 +25,14 @@ def case(cell, size, region, soil, **parts):
     """A slope at rest, whose soil a stage weakens."""
     material = {"model": "mohr-coulomb", "density": 1.0, "young": YOUNG, "poisson": 0.3} | soil
     rest = {"tolerance": TOLERANCE}
-    weak = {"name": "weak", "strength": {"factor": 1.0}}
-    weak["settle"] = rest | {"steps": round(STEPS * HEIGHT / cell)}
+    weak = {"name": "weak", "strength-reduction": {"factor": 1.0}}
+    weak["equilibrate"] = rest | {"steps": round(STEPS * HEIGHT / cell)}
     return {
         "format": 1, "dimensions": 2,
         "grid": {"size": size, "cell": [cell, cell]},
-        "method": {"shape": "gimp", "particles_per_cell": [2, 2], "volumetric": "mean"},
+        "method": {"shape": "gimp", "particles-per-cell": [2, 2], "volumetric": "b-bar"},
         "time": {"end": 2.0e-3, "step": {"courant": 0.4}, "stages": [weak]},
-        "start": {"settle": rest},
+        "start": {"equilibrate": rest},
         "materials": {"soil": material},
         "bodies": {"soil": {"material": "soil", "region": region}},
         "gravity": [0.0, -WEIGHT],
@@ -96,12 +96,14 @@ def find(made, cell, between):
     """The bracket of a problem, its particles and steps, and the seconds of its runs."""
     count = steps = 0
     seconds = 0.0
-    entry = Bisection(key="time.stages.0.strength.factor", between=between, tolerance=CLOSE)
+    entry = Bisection(
+        key="time.stages.0.strength-reduction.factor", between=between, tolerance=CLOSE
+    )
 
     def run(factor):
         nonlocal count, steps, seconds
         entries = made(cell)
-        entries["time"]["stages"][0]["strength"]["factor"] = factor
+        entries["time"]["stages"][0]["strength-reduction"]["factor"] = factor
         began, rests = process_time(), True
         sim = pgimp.Simulation(entries)
         sim.advance(entries["time"]["end"])

@@ -23,7 +23,12 @@ WHAT = ("stress", "modes", "bores", "energy", "surfaces", "locking")
 
 def made(size, region, surface, end, **parts):
     """A simulation of one body in the initial configuration."""
-    body = {"material": "m", "region": region, "configuration": "initial", "surface": surface}
+    body = {
+        "material": "m",
+        "region": region,
+        "formulation": "total-lagrangian",
+        "surface": surface,
+    }
     solid = {"m": parts.pop("material", SOLID)}
     return core(case_of(size, 1.0, solid, {"b": body | parts.pop("body", {})}, end, **parts))
 

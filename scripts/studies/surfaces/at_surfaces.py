@@ -39,7 +39,12 @@ def bending(x, t, size, height, cx, cy, ramp):
 
 def at_rest(size, region, surface, frequency, **parts):
     """A simulation of a body that has come to rest."""
-    body = {"material": "m", "region": region, "configuration": "initial", "surface": surface}
+    body = {
+        "material": "m",
+        "region": region,
+        "formulation": "total-lagrangian",
+        "surface": surface,
+    }
     ramp = parts.pop("ramp", 0.0)
     sim = core(case_of(size, 1.0, {"m": SOLID}, {"b": body}, ramp + 22.0 / frequency,
                        damping={"mass": 1.6 * frequency}, courant=0.5, **parts))  # fmt: skip
@@ -144,11 +149,11 @@ def locked(cells, shift, surface):
     low = 0.5 + shift * h
     solid = {"model": "neo-hookean", "young": 1.0, "poisson": 0.4999, "density": 1.0}
     body = {"material": "m", "region": box([0.0, low], [2.0, low + 1.0]),
-            "configuration": "initial", "surface": surface}  # fmt: skip
+            "formulation": "total-lagrangian", "surface": surface}  # fmt: skip
     load = {"body": "b", "face": "x-max",
             "traction": {"table": [[0.0, [0.0, 0.0]], [56.0, [0.0, pull]]]}}  # fmt: skip
     sim = core(case_of([2.5, 2.5], h, {"m": solid}, {"b": body}, 84.0, tractions={"end": load},
-                       boundaries={"x-min": "fixed"}, method={"volumetric": "mean"},
+                       boundaries={"x-min": "fixed"}, method={"volumetric": "b-bar"},
                        courant=0.35))  # fmt: skip
     found = []
     while not sim.finished:

@@ -13,7 +13,7 @@ RATIO = 2.0
 
 def body_of(region, surface, **more):
     """A body in the initial configuration."""
-    return {"material": "m", "region": region, "configuration": "initial",
+    return {"material": "m", "region": region, "formulation": "total-lagrangian",
             "surface": surface} | more  # fmt: skip
 
 

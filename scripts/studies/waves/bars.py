@@ -24,7 +24,7 @@ def _step(x):
 
 def run(mass, begin=_pulse, all_ways=WAYS):
     """Coordinates of the vertices, and their velocities after each number of ways."""
-    body = {"material": "bar", "configuration": "initial"} | filled([4.0], [4.0 + CELLS])
+    body = {"material": "bar", "formulation": "total-lagrangian"} | filled([4.0], [4.0 + CELLS])
     law = {"model": "linear-1d", "young": 1.0, "density": 1.0}
     case = case_of([CELLS + 8.0], 1.0, {"bar": law}, {"bar": body}, 1.0,
                    method={"mass": mass})  # fmt: skip

@@ -43,7 +43,7 @@ class Operator:
         low = SHIFT[:D]
         round_one = name in ("disk", "ball")
         region = ball(low + 0.5 * sides, 0.5 * sides[0]) if round_one else box(low, low + sides)
-        body = {"material": "soft", "configuration": "initial", "region": region}
+        body = {"material": "soft", "formulation": "total-lagrangian", "region": region}
         self.dt = COURANT / SPEED
         bodies = {"body": body | {"surface": surface}}
         cells = [int(s) + 8 for s in sides]

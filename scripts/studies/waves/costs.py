@@ -15,7 +15,7 @@ def block(D, cells, shift=(0.0, 0.0, 0.0), surface="cut", mass="lumped"):
     """A simulation of a free block with so many cells along each direction."""
     low = [4.0 + s for s in shift[:D]]
     law = {"model": "neo-hookean", "young": 1.0, "poisson": dispersion.RATIO, "density": 1.0}
-    body = {"material": "solid", "configuration": "initial", "velocity": [1e-3] * D}
+    body = {"material": "solid", "formulation": "total-lagrangian", "velocity": [1e-3] * D}
     body |= filled(low, [each + cells for each in low])
     body["surface"] = surface
     dt = COURANT / dispersion.speeds(D)[-1]

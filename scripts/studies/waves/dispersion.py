@@ -28,7 +28,7 @@ def directions(D, count=40):
 
 def lattice(shape, n):
     """Weights and gradients at vertices -4 to 4 of the particles of a cell, cells of size 1."""
-    entry = SHAPES[shape].model_validate({"shape": shape, "particles_per_cell": [n]})
+    entry = SHAPES[shape].model_validate({"shape": shape, "particles-per-cell": [n]})
     own = entry.fixed((1.0,))
     half, found = own.half[0], []
     for i in range(n):

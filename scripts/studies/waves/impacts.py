@@ -14,7 +14,7 @@ def _run(bars, cells, mass, courant, gap):
     bodies, low = {}, 3.3
     for n, v in enumerate(bars):
         bodies[f"bar{n}"] = (
-            {"material": "bar", "configuration": "initial"}
+            {"material": "bar", "formulation": "total-lagrangian"}
             | filled([low], [low + cells])
             | {"velocity": [v * SPEED]}
         )

@@ -20,7 +20,7 @@ SCENES = {
 def _case(name, mass, courant):
     def body(low, size, **more):
         region = box(low, np.add(low, size))
-        return {"material": "soft", "configuration": "initial", "region": region} | more
+        return {"material": "soft", "formulation": "total-lagrangian", "region": region} | more
 
     size, parts = [24.0, 16.0], {"method": {"mass": mass}}
     if name == "turning":
@@ -33,7 +33,7 @@ def _case(name, mass, courant):
         bodies = {f"b{n}": body([5.37 + 0.6 * n, 5.0 * n], [8 - n, 5]) for n in range(3)}
         parts |= {
             "boundaries": {"y-min": "fixed"}, "contact": [{"bodies": "all", "friction": 0.3}],
-            "gravity": [0.0, -WEIGHT], "start": {"settle": {"tolerance": 1e-6}},
+            "gravity": [0.0, -WEIGHT], "start": {"equilibrate": {"tolerance": 1e-6}},
         }  # fmt: skip
     return case_of(size, 1.0, {"soft": SOFT}, bodies, 1e9, courant=courant, **parts)
 

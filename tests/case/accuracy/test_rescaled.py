@@ -60,7 +60,7 @@ def test_a_domain_grows_beyond_open_faces_to_whole_cells():
     found = rescaled(load(data), 2.0).grid
     assert (found.cell, found.size, found.origin) == ((2.0, 2.0), (14.0, 6.0), (0.0, 0.0))
     data["time"]["stages"] = [{"name": "shut", "end": 3.0, "boundaries": {"x-max": "slip"}}]
-    found = rescaled(load(data | {"escape": {"y-min": "remove"}}), 2.0).grid
+    found = rescaled(load(data | {"outflow": {"y-min": "remove"}}), 2.0).grid
     assert found.size == (13.0, 5.0) and found.cells == (6, 2)
     rings = data | {"geometry": "axisymmetric", "boundaries": {"x-max": "slip", "y-min": "slip"}}
     rings["time"] = {"end": 2.0, "step": 0.01}

@@ -36,7 +36,7 @@ def bare(dimension, bodies, material=None, **parts):
 
 
 def configurations(case):
-    return {name: body.configuration for name, body in case.bodies.items()}
+    return {name: body.formulation for name, body in case.bodies.items()}
 
 
 def block(velocity=None):
@@ -45,11 +45,11 @@ def block(velocity=None):
 
 def test_an_elastic_body_is_in_the_initial_configuration():
     case = pgimp.load(bare(2, block()))
-    assert configurations(case) == {"body": "initial"}
+    assert configurations(case) == {"body": "total-lagrangian"}
     assert case.method.shape == "gimp" and case.method.particles_per_cell == (2, 2)
     assert case.bodies["body"].mass == "averaged"  # nothing meets
     assert case.watched and not case.method.affine
-    walled = pgimp.load(bare(2, block(), boundaries={"y-min": "separating"}))
+    walled = pgimp.load(bare(2, block(), boundaries={"y-min": "unilateral"}))
     assert walled.bodies["body"].mass is None and walled.courant == 0.3
     assert pgimp.load(bare(1, box([2.0], [5.0]))).method.particles_per_cell == (1,)
 
@@ -57,18 +57,22 @@ def test_an_elastic_body_is_in_the_initial_configuration():
 @pytest.mark.parametrize("material", [WATER, CLAY])
 def test_what_flows_is_in_the_current_configuration(material):
     case = pgimp.load(bare(2, block(), material))
-    assert configurations(case) == {"body": "current"} and case.method.affine
-    assert case.method.volumetric == ("mean" if material is CLAY else "pointwise")
+    assert configurations(case) == {"body": "updated-lagrangian"} and case.method.affine
+    assert case.method.volumetric == ("b-bar" if material is CLAY else "pointwise")
 
 
 def test_a_metal_is_judged_by_its_strain():
     """At 20 m/s Johnson's damage number is 0.008, at 200 m/s it is 0.8."""
     slow, fast = (pgimp.load(bare(2, block([v, 0.0]), STEEL)) for v in (20.0, 200.0))
-    assert configurations(slow) == {"body": "initial"} and slow.method.volumetric == "mean"
-    assert configurations(fast) == {"body": "current"} and fast.method.affine
+    assert (
+        configurations(slow) == {"body": "total-lagrangian"} and slow.method.volumetric == "b-bar"
+    )
+    assert configurations(fast) == {"body": "updated-lagrangian"} and fast.method.affine
 
 
-@pytest.mark.parametrize(("width", "chosen"), [(2.0, "current"), (8.0, "initial")])
+@pytest.mark.parametrize(
+    ("width", "chosen"), [(2.0, "updated-lagrangian"), (8.0, "total-lagrangian")]
+)
 def test_what_a_narrow_tool_sinks_into_is_strained_over_its_width(width, chosen):
     """A way of 0.4 is a fifth of a strip's width, and less than a tenth of the ground's depth."""
     ground = {**STEEL, "young": 4.0e9}  # yields at a strain of 0.1
@@ -82,15 +86,15 @@ def test_what_a_narrow_tool_sinks_into_is_strained_over_its_width(width, chosen)
 def test_a_body_that_may_come_to_a_wall_that_holds_is_in_the_current_configuration():
     walls = {"x-max": "fixed"}
     near, far = (bare(2, block([v, 0.0]), boundaries=walls, end=1.0) for v in (8.0, 1.0))
-    assert configurations(pgimp.load(near)) == {"body": "current"}
+    assert configurations(pgimp.load(near)) == {"body": "updated-lagrangian"}
     assert "x-max" in "".join(lines(pgimp.load(near)))
-    assert configurations(pgimp.load(far)) == {"body": "initial"}
+    assert configurations(pgimp.load(far)) == {"body": "total-lagrangian"}
 
 
 def test_nearly_incompressible_bodies_have_mean_dilatation():
     soft = {"model": "neo-hookean", "young": 100.0, "density": 1.0}
     found = [pgimp.load(bare(2, block(), soft | {"poisson": nu})) for nu in (0.3, 0.49)]
-    assert [case.method.volumetric for case in found] == ["pointwise", "mean"]
+    assert [case.method.volumetric for case in found] == ["pointwise", "b-bar"]
 
 
 def test_bodies_that_may_meet_do_so_without_friction():
@@ -109,7 +113,7 @@ def test_bonded_says_that_bodies_stick_together():
     two = {"a": box([1.0, 1.0], [4.0, 4.0]), "b": box([4.0, 1.0], [7.0, 4.0])}
     (entry,) = pgimp.load(bare(2, two, contact="bonded")).contact
     assert entry.law.kind == pgimp.load(bare(2, two, contact=[
-        {"bodies": ["a", "b"], "law": "tied"}])).contact[0].law.kind  # fmt: skip
+        {"bodies": ["a", "b"], "law": "tie"}])).contact[0].law.kind  # fmt: skip
     whole = scene(2, two, cells=[12, 12], contact="bonded")
     assert pgimp.load(whole).contact == ()  # they share one field
 
@@ -122,24 +126,28 @@ def test_layers_of_soil_and_liquids_flow_together():
                                   "density": 1e3}  # fmt: skip
     case = pgimp.load(three)
     assert [entry.bodies for entry in case.contact] == ["all", ("a", "b")]
-    assert configurations(case) == {"a": "current", "b": "current", "c": "initial"}
+    assert configurations(case) == {
+        "a": "updated-lagrangian",
+        "b": "updated-lagrangian",
+        "c": "total-lagrangian",
+    }
 
 
 def test_what_is_written_stays():
     data = bare(2, block())
     data["method"] = {"shape": "cpdi", "affine": True}
-    data["bodies"]["body"]["configuration"] = "current"
+    data["bodies"]["body"]["formulation"] = "updated-lagrangian"
     data["time"]["step"] = 0.01
     case = pgimp.load(data)
     assert (case.method.shape, case.method.affine, case.time.step) == ("cpdi", True, 0.01)
-    assert configurations(case) == {"body": "current"}
+    assert configurations(case) == {"body": "updated-lagrangian"}
     assert pgimp.load(bare(2, block()), {"method.shape": "cpdi"}).method.shape == "cpdi"
 
 
 def test_a_whole_case_of_format_1_keeps_its_defaults():
     """And of format 2 what it leaves out is chosen."""
     first, second = (read_case(CASE.replace("format: 1", f"format: {n}"), "x") for n in (1, 2))
-    assert set(configurations(first).values()) == {"current"} and first.contact == ()
+    assert set(configurations(first).values()) == {"updated-lagrangian"} and first.contact == ()
     assert not lines(first) and not first.method.affine
     assert len(second.contact) == 1 and lines(second)
     assert second.time.step == first.time.step
@@ -149,7 +157,7 @@ def test_the_resolved_case_chooses_nothing_and_is_the_same():
     """It says what was chosen, as checkpoints do, whose case it is."""
     case = pgimp.load(bare(2, block()))
     text = dump_case(case)
-    assert text.startswith("# chosen: body: configuration initial")
+    assert text.startswith("# chosen: body: formulation total-lagrangian")
     again = read_case(text, "x")
     assert again == case and not lines(again)
 
@@ -161,7 +169,7 @@ def test_auto_is_the_same_as_nothing():
 def test_what_the_initial_configuration_excludes_is_in_the_current_one_with_the_reason():
     two = {"a": box([1.0, 1.0], [4.0, 4.0]), "b": box([4.0, 1.0], [7.0, 4.0])}
     case = pgimp.load(bare(2, two, output={"grid": ["contact"]}))
-    assert set(configurations(case).values()) == {"current"} and case.method.affine
+    assert set(configurations(case).values()) == {"updated-lagrangian"} and case.method.affine
     assert "output.grid.0" in lines(case)[0]
 
 
@@ -173,7 +181,7 @@ def test_other_mistakes_are_named_as_in_any_case():
 
 
 def test_a_file_gets_what_was_chosen_and_keeps_its_comments():
-    text = CASE.replace("method: {shape: gimp, particles_per_cell: [2, 2]}\n", "  # none\n")
+    text = CASE.replace("method: {shape: gimp, particles-per-cell: [2, 2]}\n", "  # none\n")
     text = text.replace(", step: 0.01", "")
     case = read_case(text, "x")
     found = written(text, case)
@@ -187,9 +195,9 @@ def test_a_resumed_run_keeps_its_choices():
     """Another end, for instance, would let the body come to the wall."""
     data = bare(2, block([1.0, 0.0]), boundaries={"x-max": "fixed"}, end=1.0)
     before, longer = pgimp.load(data), pgimp.load(data, {"time.end": 20.0})
-    assert configurations(longer) == {"body": "current"}
+    assert configurations(longer) == {"body": "updated-lagrangian"}
     found = kept(longer, read_case(dump_case(before), "x"))
-    assert configurations(found) == {"body": "initial"} and found.time.end == 20.0
+    assert configurations(found) == {"body": "total-lagrangian"} and found.time.end == 20.0
     assert found.method == before.method
     assert kept(before, before) is before
 

@@ -83,6 +83,6 @@ def test_the_volume_on_the_grid_is_what_vertices_have_room_for():
     for _ in range(EVERY):  # at rest without stress, until they are shifted
         sim.advance()
     line = sim.diagnostics()
-    assert line["volume.water.carried"] == pytest.approx(64.0, rel=1e-13)
+    assert line["volume.water.particles"] == pytest.approx(64.0, rel=1e-13)
     assert line["volume.water"] == pytest.approx(room, rel=1e-12)
     assert any("'water', which flows, fills" in said for said in sim.diagnostic_sums.said)

@@ -14,12 +14,12 @@ PULL = [-3.0, -5.0]
 
 #: A block that is pressed into a corner.
 CORNERS = {
-    "mirrors": {"shape": "bspline-quadratic", "boundaries": {"x-min": "separating"}},
+    "mirrors": {"shape": "bspline-quadratic", "boundaries": {"x-min": "unilateral"}},
     "points": {"shape": "mpm", "boundaries": {"x-min": wall(0.1, None)}},
     "corners": {"shape": "cpdi", "wall": "mirror", "boundaries": {"x-min": "slip"}},
     "absorbing": {"shape": "finite-gimp", "end": 0.5, "boundaries": {"x-min": "absorbing"}},
     "rings": {"geometry": "axisymmetric", "boundaries": {}},
-    "initial": {"boundaries": {"x-min": "separating"}},
+    "initial": {"boundaries": {"x-min": "unilateral"}},
 }
 
 
@@ -70,7 +70,7 @@ def test_work_is_the_force_on_each_particle_times_its_whole_way():
         last, line = line, sim.diagnostics()
         now = field(sim, "x")
         work = float((force * (now - x)).sum())
-        work += line["tool.block.work"] - last["tool.block.work"]
+        work += line["rigid.block.work"] - last["rigid.block.work"]
         done = line["external-work"] - last["external-work"]
         assert done == pytest.approx(work, rel=0, abs=1e-11)
         across, up = now.T
@@ -88,9 +88,9 @@ def test_a_uniform_force_works_as_gravity(kind, uniform):
     block = box([0.0, 0.0], [2.0, 2.0], [0.0, -1.0])
     pull = [0.0, PULL[1]] if kind == "rings" else PULL
     if kind == "initial":
-        block["configuration"] = "initial"
+        block["formulation"] = "initial"
     uniform["parameters"]["along"] = pull[0]
-    pulled = {"gravity": pull}, {"body_force": uniform}
+    pulled = {"gravity": pull}, {"body-force": uniform}
     sims = [start(scene(2, block, cells=[4, 4], boundaries=walls, **parts, **load))
             for load in pulled]  # fmt: skip
     if kind == "rings":  # boxes at a wall have weight on the vertices before it, and creep through

@@ -7,7 +7,7 @@ from hypothesis import strategies as some
 from scenes import box, field, finish, scene, start, tracked
 from tiers import wide
 
-from pgimp.physics.boundaries.separating import SeparatingParameters
+from pgimp.physics.boundaries.unilateral import UnilateralParameters
 
 
 def falling(dimension, axis, side, gap, shape="gimp", **parts):
@@ -19,7 +19,7 @@ def falling(dimension, axis, side, gap, shape="gimp", **parts):
     face = f"{'xyz'[axis]}-{'min' if side < 0 else 'max'}"
     case = scene(
         dimension, box(low, [x + 2.0 for x in low], velocity), cells=cells, shape=shape,
-        per_cell=2 if dimension < 3 else 1, boundaries={face: "separating"}, **parts,
+        per_cell=2 if dimension < 3 else 1, boundaries={face: "unilateral"}, **parts,
     )  # fmt: skip
     return case, f"reaction.{face}-{face[0]}"
 
@@ -52,7 +52,7 @@ def test_what_lies_on_a_wall_lies_there():
     """A block under its weight, for long: where its strain puts it, with its weight as reaction."""
     body = box([1.0, 0.0], [5.0, 3.0])
     case = scene(2, body, end=30.0, step={"courant": 0.3}, gravity=[0.0, -0.02],
-                 boundaries={"y-min": "separating"})  # fmt: skip
+                 boundaries={"y-min": "unilateral"})  # fmt: skip
     case["method"]["relaxation"] = 0.5
     sim = start(case)
     height, force = tracked(sim, "body.body.centre-y", "reaction.y-min-y")
@@ -65,7 +65,7 @@ def test_what_lies_on_a_wall_lies_there():
 def test_what_a_wall_does_not_change_keeps_its_bits(friction):
     """A vertex that moves away, and without friction what is along the wall of one that comes."""
     rng = np.random.default_rng(3)
-    face = SeparatingParameters(1, -1, friction, friction, 1e-3)
+    face = UnilateralParameters(1, -1, friction, friction, 1e-3)
     for _ in range(500):
         v, a = (tuple(rng.normal(size=3) * scale) for scale in (1.0, 100.0))
         away, pulled = (v[0], abs(v[1]) + 0.2, v[2]), (a[0], -abs(a[1]), a[2])
@@ -80,7 +80,7 @@ def test_what_a_wall_does_not_change_keeps_its_bits(friction):
 def test_in_a_corner_each_wall_holds_what_comes():
     """Thrown into a corner: both walls push, nothing passes them, and it comes out again."""
     case = scene(2, box([0.7, 1.2], [3.7, 4.2], [-0.6, -0.8]), end=4.0, step=0.01,
-                 boundaries={"x-min": "separating", "y-min": "separating"})  # fmt: skip
+                 boundaries={"x-min": "unilateral", "y-min": "unilateral"})  # fmt: skip
     sim = start(case)
     across, up = tracked(sim, "reaction.x-min-x", "reaction.y-min-y")
     assert across.max() > 0.1 and up.max() > 0.1
@@ -102,7 +102,7 @@ def test_bodies_that_meet_on_a_rough_wall_do_not_depend_on_units():
         }
         case = scene(
             2, bodies, end=2.0 * unit, step=0.01 * unit, gravity=[0.0, -0.3 / unit**2],
-            boundaries={"y-min": {"separating": {"friction": 0.3}}},
+            boundaries={"y-min": {"unilateral": {"friction": 0.3}}},
             contact=[{"bodies": "all", "friction": 0.4}],
         )  # fmt: skip
         soft = case["materials"]["soft"]

@@ -63,7 +63,7 @@ def test_a_wall_at_no_velocity_is_a_wall_we_know(known, given):
 
 def test_what_hangs_from_a_ceiling_hangs_as_long_as_the_ceiling_holds():
     fallen = {}
-    for ceiling in ("fixed", "slip", "separating"):
+    for ceiling in ("fixed", "slip", "unilateral"):
         body = box([2.0, 4.0], [5.0, 6.0])
         sim = start(
             scene(
@@ -83,7 +83,7 @@ def test_what_hangs_from_a_ceiling_hangs_as_long_as_the_ceiling_holds():
     assert -0.03 < fallen["fixed"].min() < fallen["fixed"].max() < 0.001
     assert -0.03 < fallen["slip"].min() < fallen["slip"].max() < 0.001
     free = -0.5 * 0.005**2 * 400 * 401 / 2
-    np.testing.assert_allclose(fallen["separating"], free, rtol=1e-10)
+    np.testing.assert_allclose(fallen["unilateral"], free, rtol=1e-10)
 
 
 def test_a_fixed_wall_also_holds_sideways():
@@ -119,7 +119,7 @@ def test_a_separating_floor_does_not_hold_what_goes_up(shape):
         (reaction,) = tracked(sim, "reaction.y-min-y")
         return field(sim, "v")[:, 1], reaction
 
-    speed, reaction = rise("separating")
+    speed, reaction = rise("unilateral")
     assert not reaction.any()
     np.testing.assert_allclose(speed, 0.37, rtol=1e-12)
     speed, reaction = rise("slip")
@@ -128,7 +128,7 @@ def test_a_separating_floor_does_not_hold_what_goes_up(shape):
 
 def test_a_block_bounces_off_a_separating_floor_without_sticking():
     body = box([2.0, 0.75], [5.0, 2.75], [0.1, -0.6])
-    sim = start(scene(2, body, **CELLS, end=2.5, step=0.005, boundaries={"y-min": "separating"}))
+    sim = start(scene(2, body, **CELLS, end=2.5, step=0.005, boundaries={"y-min": "unilateral"}))
     force, up, along = tracked(sim, "reaction.y-min-y", "momentum-y", "momentum-x")
     touch, leave = np.flatnonzero(force)[[0, -1]]
     assert 0 < touch < leave < len(force) - 20

@@ -50,7 +50,7 @@ def test_a_film_slows_a_block_as_an_exponential(configuration, monkeypatch):
     rates = []
     for speed in (0.5, 1.0):
         bodies = {
-            "block": box([2.0, 1.0], [5.0, 4.0], [speed, 0.0]) | {"configuration": configuration},
+            "block": box([2.0, 1.0], [5.0, 4.0], [speed, 0.0]) | {"formulation": configuration},
             "plate": {"rigid": {}, "region": {"box": {"min": [-2.0, -2.0], "max": [14.0, 1.0]}}},
         }
         contact = [{"bodies": "all", "law": {"film": {"viscosity": 0.3}}}]

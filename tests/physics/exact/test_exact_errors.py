@@ -190,8 +190,8 @@ REFUSED = [
     (bar("compaction", gravity=ramp((0.0, 0.0), (1.0, -40.0))), "gravity.table.1.1: the weight"),
     (bar("compaction", gravity=GRAVITY, boundaries={}), "boundaries.x-min: missing; the exact"),
     (
-        bar("compaction", gravity=GRAVITY, boundaries={"x-min": "separating"}),
-        "boundaries.x-min: the exact solution needs fixed or slip, got separating",
+        bar("compaction", gravity=GRAVITY, boundaries={"x-min": "unilateral"}),
+        "boundaries.x-min: the exact solution needs fixed or slip, got unilateral",
     ),
     (bar(DYNAMIC, gravity=CASES["compaction"]["gravity"]), "gravity.table: the exact dynamic"),
     (bar(DYNAMIC, gravity=ramp((0.0, 0.0), (0.9, -6.0))), "gravity.table.1.0: the exact dynamic"),

@@ -63,7 +63,7 @@ def named(function, **parameters):
 
 def block(**parts):
     body = box([2.0, 1.0], [6.0, 5.0]) | {"velocity": named("shear", rate=0.3)}
-    case = scene(2, body, **({"body_force": named("wind", strength=2.0, drag=0.5)} | parts))
+    case = scene(2, body, **({"body-force": named("wind", strength=2.0, drag=0.5)} | parts))
     case["materials"]["soft"] = case["materials"]["soft"] | {"density": named("denser", top=5.0)}
     return case
 

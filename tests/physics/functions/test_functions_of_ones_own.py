@@ -88,25 +88,25 @@ def test_a_case_names_what_is_unknown():
     pgimp.body_force(pull)
     pgimp.coefficient(sqrt_of)
     entry = {"function": "pull", "parameters": {"strength": 1.0}}
-    assert pgimp.load(case(body_force=entry)).model_dump(by_alias=True)["body_force"] == {
+    assert pgimp.load(case(body_force=entry)).model_dump(by_alias=True)["body-force"] == {
         "function": "pull", "parameters": {"strength": 1.0, "direction": (1.0, 0.0)}
     }  # fmt: skip
     text = refused(body_force=entry | {"function": "pul"})
-    assert "body_force.function: unknown body force 'pul'; did you mean 'pull'?" in text
+    assert "body-force.function: unknown body force 'pul'; did you mean 'pull'?" in text
     assert "--import FILE.py" in text
     text = refused(body_force=entry | {"function": "sqrt-of"})
     assert f"expected a body force, but this is the coefficient 'sqrt-of' ({__file__}:" in text
     text = refused(body_force={"function": "pull"})
-    assert "body_force.parameters: missing; the body force 'pull' (" in text
+    assert "body-force.parameters: missing; the body force 'pull' (" in text
     assert ") needs strength" in text
     entry["parameters"] = {"direction": [0.0, 1.0]}
     text = refused(body_force=entry)
-    assert "body_force.parameters.strength: missing; the body force 'pull' (" in text
+    assert "body-force.parameters.strength: missing; the body force 'pull' (" in text
     entry["parameters"] = {"strength": 1.0}
     text = refused(body_force=entry | {"parameters": {"strengt": 1.0}})
-    assert "body_force.parameters.strengt: unknown parameter 'strengt'" in text
+    assert "body-force.parameters.strengt: unknown parameter 'strengt'" in text
     text = refused(body_force=entry | {"parameters": {"strength": "large"}})
-    assert "body_force.parameters.strength: expected a number or a list of them" in text
+    assert "body-force.parameters.strength: expected a number or a list of them" in text
     text = refused(body_force="function")
     assert "expected {function: .., parameters: {..}}" in text
     text = refused(gravity=[0.0, {"function": "pull"}])
@@ -196,7 +196,7 @@ def test_what_does_not_suit_the_particles_is_refused_as_they_are_made():
     with pytest.raises(CaseError, match=r"exact.function: .* begins with a displacement of 0.1 at"):
         pgimp.Simulation(case(exact={"function": "far"}))
     pgimp.body_force(empty)
-    with pytest.raises(CaseError, match=r"body_force.function: .*returns \(nan, 0\) at the part"):
+    with pytest.raises(CaseError, match=r"body-force.function: .*returns \(nan, 0\) at the part"):
         pgimp.Simulation(case(body_force={"function": "empty"}))
 
 

@@ -57,7 +57,7 @@ def block(configuration, step=0.01, **grips):
         "left": grip(*ends[0], "spiral", rate=1.0, growth=0.1),
         "right": grip(*ends[1], "bending"),
     }
-    body = box([2.0, 3.0], [6.0, 5.0]) | {"configuration": configuration}
+    body = box([2.0, 3.0], [6.0, 5.0]) | {"formulation": configuration}
     return scene(2, body, step=step, constraints=grips or every)
 
 

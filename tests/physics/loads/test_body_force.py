@@ -75,7 +75,7 @@ def test_same_bits_on_ranks_and_after_a_restart(tmp_path, python, mpirun):
     ],
 )
 def test_what_does_not_fit_is_refused(D, force, message):
-    case = flying(D, 1.0) | {"body_force": force}
+    case = flying(D, 1.0) | {"body-force": force}
     with pytest.raises(ValueError, match=message):
         Case.model_validate(case)
 
@@ -84,6 +84,6 @@ def test_an_exact_solution_has_none():
     from exact_cases import block
 
     case = block(2, 0.25)
-    case["body_force"] = {"rotating-frame": {"about": [0.0, 0.0], "rate": 1.0}}
+    case["body-force"] = {"rotating-frame": {"about": [0.0, 0.0], "rate": 1.0}}
     with pytest.raises((ValueError, CaseError), match="the exact solution has none"):
         Case.model_validate(case)

@@ -144,7 +144,7 @@ def stretched():
     def stretch(offset, shape="gimp", per_cell=2, configuration="current"):
         a, T, d = 2.0 + offset, 24.0, 1e-4  # a transit of the bar takes 1.4
         speed = [[0.0, 0.0], [T / 2, 2 * d / T], [T, 0.0]]
-        body = box([a], [a + 14.0]) | {"configuration": configuration}
+        body = box([a], [a + 14.0]) | {"formulation": configuration}
         case = scene(
             1, body, cells=[19], shape=shape, per_cell=per_cell, end=T + 2.8,
             step=0.02, history={"every": {"steps": 1}},

@@ -95,7 +95,7 @@ def test_only_loads_that_follow_surfaces_pay_for_it():
     ball = {"ball": {"center": [3.3, 3.4], "radius": 2.3}}
     case = loaded(2, ball)
     case["tractions"]["load"]["follower"] = False
-    for each in (case, loaded(2, ball, body={"configuration": "initial"})):
+    for each in (case, loaded(2, ball, body={"formulation": "total-lagrangian"})):
         sim = start(each)
         assert sim.rank.surface_kinematics is None
         assert sim.particles.place.size == sim.particles.surface_F_correction.size == 0
@@ -112,9 +112,9 @@ def test_a_tube_widens_by_half_as_shooting_says(configuration):
     tube = {"difference": [whole, {"ball": {"center": [0.0, 0.0], "radius": 8.0}}]}
     case = loaded(
         2, tube, 15.0, load={"ball": {"center": [0.0, 0.0], "radius": 12.0}}, cells=[28, 28],
-        step={"courant": 0.3}, body={"configuration": configuration},
+        step={"courant": 0.3}, body={"formulation": configuration},
         boundaries={"x-min": "slip", "y-min": "slip"},
-        start={"settle": {"tolerance": 1e-3, "steps": 5000}},
+        start={"equilibrate": {"tolerance": 1e-3, "steps": 5000}},
     )  # fmt: skip
     sim = start(case)
     X = field(sim, "x")

@@ -10,7 +10,7 @@ from pgimp.errors import CaseError
 TEXT = """format: 1
 dimensions: 2
 grid: {size: [9, 9], cell: [1, 1]}
-method: {shape: gimp, particles_per_cell: [2, 2]}
+method: {shape: gimp, particles-per-cell: [2, 2]}
 time: {end: 1.0, step: 0.01}
 materials: {soft: {model: hooke, young: 1.0, poisson: 0.0, density: 1.0}}
 bodies: {block: {material: soft, region: {box: {min: [1, 1], max: [5, 5]}}}}

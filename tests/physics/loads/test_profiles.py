@@ -50,7 +50,7 @@ def test_forces_on_a_straight_surface_are_exact_wherever_the_profile_is(configur
 
     Loads end with a quarter of a particle, so that one of them is beside the load at both ends.
     """
-    body = box([1.3, 2.2], [7.6, 4.95]) | {"configuration": configuration}
+    body = box([1.3, 2.2], [7.6, 4.95]) | {"formulation": configuration}
     edge = {"half-space": {"point": [0.0, 4.94], "normal": [0.0, -1.0]}}
     velocity = {"ramp": {"from": 0.0, "to": 6000.0, "duration": 0.002}}
     profile = {"along": [3.0, 0.0], "from": [0.4, 7.0], "velocity": velocity, "table": TABLE}
@@ -211,7 +211,7 @@ def test_a_profile_that_stands_still_costs_no_step_and_comes_to_rest():
     case = loaded(
         box([0.0, 0.0], [9.0, 5.0]), {"pressure": 0.5}, profile,
         boundaries={"x-min": "slip", "x-max": "slip", "y-min": "fixed"},
-        step={"courant": 0.3}, start={"settle": {"tolerance": 2e-3, "steps": 3000}},
+        step={"courant": 0.3}, start={"equilibrate": {"tolerance": 2e-3, "steps": 3000}},
     )  # fmt: skip
     sim = start(case)
     assert not _surfaces(Case.model_validate(case)).varies

@@ -52,7 +52,7 @@ def test_a_liquid_lifts_bodies_in_3d(tmp_path, region, configuration):
     if region == "mesh":
         stl(tmp_path / "ball.stl", BALL * 1.7 + [4.1, 4.2, 3.9])
         region = mesh(tmp_path / "ball.stl")
-    force, _ = lift(region, 3, body={"configuration": configuration})
+    force, _ = lift(region, 3, body={"formulation": configuration})
     np.testing.assert_allclose(force, [0.0, 1.4, 0.0], rtol=0, atol=2e-3)
 
 

@@ -17,7 +17,7 @@ def test_a_pressure_turns_nothing_and_its_work_is_booked(configuration, spin, bo
     """
     body = box([2.0, 2.0], [7.0, 7.0]) | {
         "velocity": {"rotation": {"about": [4.5, 4.5], "rate": 0.8}},
-        "configuration": configuration,
+        "formulation": configuration,
     }
     load = {"body": "body", "region": EVERYWHERE, "pressure": 5.0}
     case = scene(2, body, cells=[9, 9], end=15.7, step={"courant": 0.3}, tractions={"load": load})

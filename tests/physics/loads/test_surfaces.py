@@ -34,7 +34,7 @@ def force(sim):
 @pytest.mark.parametrize("region", [DISK, box([2.2, 1.7], [6.1, 5.9])["region"]])
 def test_a_liquid_lifts_by_its_weight(region, configuration):
     load = {"hydrostatic": {"level": 8.0, "density": 0.7}}
-    case = loaded(region, load, gravity=[0.0, -2.0], body={"configuration": configuration})
+    case = loaded(region, load, gravity=[0.0, -2.0], body={"formulation": configuration})
     sim = start(case)
     found, mass = force(sim)
     exact = 2.0 * (0.7 - 1.0) * mass
@@ -77,9 +77,9 @@ def test_a_tube_widens_as_lame_says(configuration):
     tube = {"difference": [whole, {"ball": {"center": [0.0, 0.0], "radius": 8.0}}]}
     load = {"region": {"ball": {"center": [0.0, 0.0], "radius": 12.0}}, "pressure": 0.01}
     case = loaded(
-        tube, load, cells=[20, 20], step={"courant": 0.3}, body={"configuration": configuration},
+        tube, load, cells=[20, 20], step={"courant": 0.3}, body={"formulation": configuration},
         boundaries={"x-min": "slip", "y-min": "slip"},
-        start={"settle": {"tolerance": 1e-3, "steps": 5000}},
+        start={"equilibrate": {"tolerance": 1e-3, "steps": 5000}},
     )  # fmt: skip
     sim = start(case)
     X = field(sim, "x")

@@ -31,7 +31,7 @@ def block(configuration, **parts):
         name: grip(low, high, velocity=[{"table": SHIFT}, 0.25])
         for name, low, high in (("left", [2.0, 3.0], [3.0, 5.0]), ("right", [5.0, 3.0], [6.0, 5.0]))
     }
-    body = box([2.0, 3.0], [6.0, 5.0]) | {"configuration": configuration}
+    body = box([2.0, 3.0], [6.0, 5.0]) | {"formulation": configuration}
     parts = {"end": 1.2, "step": 0.001, "constraints": constraints, **parts}
     case = scene(2, body, **parts)
     case["materials"]["soft"]["young"] = 1e5
@@ -149,7 +149,7 @@ def twisted(n):
         )
         for name, corners in ends.items()
     }
-    body = box([low] * 3, [low + 4.0, low + 1.0, low + 1.0]) | {"configuration": "initial"}
+    body = box([low] * 3, [low + 4.0, low + 1.0, low + 1.0]) | {"formulation": "total-lagrangian"}
     case = scene(
         3, body, cells=[4 * n + 4, n + 4, n + 4], cell=h, end=24.0, step=0.2 * h,
         constraints=grips, damping={"mass": 1.0},
@@ -231,7 +231,7 @@ def test_domains_in_which_nothing_turns():
     for parts, problem in (
         ({"boundaries": {"x-min": "periodic", "x-max": "periodic"}}, "periodic along x"),
         ({"geometry": "axisymmetric", "boundaries": {"x-min": "slip"}}, "swirl"),
-        ({"start": {"settle": {}}, "damping": {"kinetic": True}, "constraints": {
+        ({"start": {"equilibrate": {}}, "damping": {"kinetic": True}, "constraints": {
             "grip": grips["grip"] | {"rotation": {"about": CENTRE, "rate": 1.0}}}}, "rotation"),
     ):  # fmt: skip
         with pytest.raises(ValueError) as told:

@@ -100,7 +100,7 @@ def test_viscosity_heats_the_gas_by_its_work():
         "format": 1,
         "dimensions": 1,
         "grid": {"size": [20.0], "cell": [1.0]},
-        "method": {"shape": "finite-gimp", "particles_per_cell": [2]},
+        "method": {"shape": "finite-gimp", "particles-per-cell": [2]},
         "materials": {"gas": law},
         "bodies": {
             "left": {

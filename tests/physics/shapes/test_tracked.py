@@ -59,7 +59,7 @@ def test_a_separating_wall_with_a_mirror_lets_go_at_once():
     body = box([2.0, 0.0], [5.0, 2.0], [0.3, 0.5])
     case = scene(
         2, body, **CELLS, shape="fuzzy-nearest", end=1.0, step=0.01,
-        boundaries={"y-min": "separating"},
+        boundaries={"y-min": "unilateral"},
     )  # fmt: skip
     sim = finish(start(case))
     assert np.abs(field(sim, "v") - [0.3, 0.5]).max() < 1e-11

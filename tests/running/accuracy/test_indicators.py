@@ -150,7 +150,7 @@ def test_stretches_from_deformation_and_from_strain_are_the_same():
         ({"y-min": "slip"}, [1, 0], [7, 3], 6.0),
         ({"y-min": "fixed"}, [1, 0], [7, 3], 3.0),
         ({"y-min": "slip", "y-max": "slip"}, [1, 0], [7, 8], 6.0),
-        ({"y-min": "separating"}, [1, 0], [7, 3], 3.0),
+        ({"y-min": "unilateral"}, [1, 0], [7, 3], 3.0),
     ],
 )
 def test_cells_across_a_body(walls, low, high, expected):

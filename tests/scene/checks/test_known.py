@@ -11,7 +11,7 @@ CASE = {
     "format": 1,
     "dimensions": 2,
     "grid": {"size": [0.4, 0.4], "cell": [0.02, 0.02]},
-    "method": {"shape": "gimp", "particles_per_cell": [2, 2]},
+    "method": {"shape": "gimp", "particles-per-cell": [2, 2]},
     "time": {"end": 0.5, "step": {"courant": 0.4}},
     "materials": {
         "rubber": {"model": "neo-hookean", "young": 1.0e6, "poisson": 0.3, "density": 1000.0}
@@ -19,7 +19,7 @@ CASE = {
     "bodies": {
         "block": {
             "material": "rubber",
-            "configuration": "initial",
+            "formulation": "total-lagrangian",
             "region": {"box": {"min": [0.1, 0.1], "max": [0.3, 0.3]}},
         },
         "floor": {"rigid": {}, "region": {"box": {"min": [-5.0, -5.0], "max": [5.0, -0.2]}}},
@@ -56,7 +56,7 @@ def test_what_moves_takes_its_surface_along():
     "changes",
     [
         with_floor(region={"box": {"min": [-0.4, -0.4], "max": [0.8, -0.2]}}),  # all of it
-        with_floor(block={"configuration": "current"}),  # ends at the domain
+        with_floor(block={"formulation": "updated-lagrangian"}),  # ends at the domain
         {"contact": [{"bodies": ["block", "floor"], "law": "ignore"}]},
     ],
     ids=["small", "current", "ignored"],

@@ -76,8 +76,8 @@ def test_points_and_wide_shapes_are_advised_by_name(capsys):
 
 def test_limits_are_the_shapes_own():
     for overrides, limit in (((), 0.31), (("method.affine=true",), 0.41), (("n=4",), 0.2)):
-        values = [one.replace("n=", "method.particles_per_cell.0=") for one in overrides]
+        values = [one.replace("n=", "method.particles-per-cell.0=") for one in overrides]
         case = read_case(PLATE, "case.yaml", ["method.shape=tiles", *values])
         assert largest_courant(case) == limit
-    initial = ["method.shape=tiles", "bodies.beam.configuration=initial"]
+    initial = ["method.shape=tiles", "bodies.beam.formulation=total-lagrangian"]
     assert largest_courant(read_case(PLATE, "case.yaml", initial)) <= 0.51

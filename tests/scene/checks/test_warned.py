@@ -43,7 +43,7 @@ def test_a_run_gives_those_of_its_start():
     box = {"box": {"min": [2.0, 4.0], "max": [5.0, 6.0]}}
     case = pgimp.load({
         "format": 1, "dimensions": 2, "grid": {"size": [8.0, 8.0], "cell": [1.0, 1.0]},
-        "method": {"shape": "gimp", "particles_per_cell": [2, 2]},
+        "method": {"shape": "gimp", "particles-per-cell": [2, 2]},
         "time": {"end": 0.02, "step": 0.01}, "gravity": [0.0, -1.0],
         "materials": {"m": {"model": "neo-hookean", "young": 9.0, "poisson": 0.49, "density": 1.0}},
         "bodies": {"block": {"material": "m", "region": box}},

@@ -50,7 +50,7 @@ def states(sim):
     x = field(sim, "x") + field(sim, "winding") * sim.scene.domain.periods
     (state,) = sim.rank.free.states
     line = sim.diagnostics()
-    names = [f"tool.{name}.{what}" for name in ("wheel", "stone")
+    names = [f"rigid.{name}.{what}" for name in ("wheel", "stone")
              for what in ("force-x", "force-y", "work")]  # fmt: skip
     found = {"x": x, "centre": np.array(state.centre[:2]), "spin": np.array(state.spin)}
     found["momentum"], found["force"] = np.array(state.momentum), np.array([line[n] for n in names])
@@ -132,7 +132,7 @@ def test_a_ball_goes_round_as_in_a_long_domain():
     np.testing.assert_allclose(mine.numbers[:16], theirs.numbers, rtol=0, atol=1e-9)
     assert mine.home[0] == pytest.approx(mine.centre[0] - 9.0, abs=1e-12)
     lines = near.diagnostics(), far.diagnostics()
-    names = [n for n in lines[0] if n.startswith("tool.roll") and "inside" not in n]
+    names = [n for n in lines[0] if n.startswith("rigid.roll") and "penetrating" not in n]
     for name in names:
         assert lines[0][name] == pytest.approx(lines[1][name], abs=1e-9), name
 

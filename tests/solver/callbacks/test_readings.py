@@ -43,7 +43,7 @@ def test_a_ram_stops_at_a_force_that_is_the_momentum_it_gave():
     np.testing.assert_allclose(np.diff(momentum), -force[1:] * np.diff(time), atol=1e-12)
     assert momentum[0] == pytest.approx(-force[0] * time[0], abs=1e-12)  # since the start
     np.testing.assert_array_equal(momentum, [line["momentum-x"] for line in lines])
-    np.testing.assert_allclose(force, [line["tool.ram.force-x"] for line in lines], rtol=1e-12)
+    np.testing.assert_allclose(force, [line["rigid.ram.force-x"] for line in lines], rtol=1e-12)
     asked = np.arange(2, 25, 3)
     for name, values in (("gauge.top.height", level), ("gauge.half.force-x", cut)):
         np.testing.assert_array_equal(values[asked], [lines[k][name] for k in asked])
@@ -51,7 +51,7 @@ def test_a_ram_stops_at_a_force_that_is_the_momentum_it_gave():
     stop = int(np.argmax(force < each_probe.MOST))
     way = each_probe.SPEED * time[stop]
     assert 0.0 < way < 1.0 and force.min() < each_probe.MOST
-    assert lines[-1]["tool.ram.displacement-x"] == pytest.approx(way, rel=1e-12)
+    assert lines[-1]["rigid.ram.displacement-x"] == pytest.approx(way, rel=1e-12)
 
 
 def test_bits_do_not_depend_on_ranks_nor_on_a_kill(mpirun, tmp_path):
@@ -72,7 +72,7 @@ def test_a_resumed_run_feels_what_it_would_have_felt(tmp_path):
 
     def control(now):
         each_probe.hold(now)
-        felt[now.step] = now.history["tool.ram.force-x"]
+        felt[now.step] = now.history["rigid.ram.force-x"]
 
     def run(**how):
         felt.clear()

@@ -98,7 +98,7 @@ def test_surfaces_slide_at_their_strength_and_friction(friction):
         ({"adhesion": {"normal": 1.0}}, "reach"),
         ({"adhesion": {"reach": 0.1}}, "expected a stress above 0 here or as `shear`"),
         ({"adhesion": {"shear": -1.0, "reach": 0.1}}, "must be at least 0"),
-        ({"adhesion": {"shear": 1.0, "reach": 0.1}, "law": "tied"}, "have no adhesion"),
+        ({"adhesion": {"shear": 1.0, "reach": 0.1}, "law": "tie"}, "have no adhesion"),
     ],
 )
 def test_what_cannot_be_is_refused(entry, said):

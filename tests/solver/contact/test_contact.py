@@ -27,11 +27,11 @@ def test_tied_bodies_are_one_body():
         "end": 8.0,
         "step": 0.008,
         "gravity": [0.0, -1.0],
-        "boundaries": {"y-min": "separating", "x-max": "slip"},
+        "boundaries": {"y-min": "unilateral", "x-max": "slip"},
     }
     whole = start(scene(2, box([2.0, 1.0], [6.0, 4.0]), **parts))
     halves = {"left": box([2.0, 1.0], [4.0, 4.0]), "right": box([4.0, 1.0], [6.0, 4.0])}
-    two = start(scene(2, halves, contact=[{"bodies": "all", "law": "tied"}], **parts))
+    two = start(scene(2, halves, contact=[{"bodies": "all", "law": "tie"}], **parts))
     for sim in (whole, two):
         stir(sim, 0.5)
         finish(sim)
@@ -215,7 +215,7 @@ def test_walls_and_constraints_hold_bodies_that_meet():
     push = {"body": "pusher", "region": {"box": {"min": [4.5, 0.0], "max": [5.5, 2.0]}}}
     case = scene(
         2, bodies, cells=[8, 5], end=1.0, step=0.01,
-        boundaries={"x-min": "separating", "y-min": "separating"},
+        boundaries={"x-min": "unilateral", "y-min": "unilateral"},
         constraints={"push": push | {"velocity": [-1.0, 0.0]}},
         contact=[{"bodies": "all", "friction": 0.3}],
     )  # fmt: skip

@@ -132,7 +132,7 @@ def falling(end, **parts):
     return scene(
         2, {name: bodies[name] for name in names}, cells=[15, 17], end=end,
         gravity=[0.0, -2.0], contact=[{"bodies": "all", "friction": 0.3}],
-        boundaries={"y-min": "separating", "x-min": "slip", "x-max": "slip"}, **parts,
+        boundaries={"y-min": "unilateral", "x-min": "slip", "x-max": "slip"}, **parts,
     )  # fmt: skip
 
 

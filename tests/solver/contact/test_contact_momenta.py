@@ -46,7 +46,7 @@ class Momenta:
 
 @pytest.mark.parametrize(
     "law",
-    [{"friction": {"static": 0.6, "kinetic": 0.4}}, {"law": "tied"},
+    [{"friction": {"static": 0.6, "kinetic": 0.4}}, {"law": "tie"},
      {"friction": 0.3, "adhesion": {"normal": 3.0, "shear": 2.0, "reach": 0.3}}],
 )  # fmt: skip
 def test_three_bodies_collide_askew(law):

@@ -30,7 +30,7 @@ def test_forces_of_contact_at_vertices():
 
 
 @pytest.mark.parametrize(
-    ("law", "two"), [({}, False), ({"friction": 0.4}, False), ({"law": "tied"}, False),
+    ("law", "two"), [({}, False), ({"friction": 0.4}, False), ({"law": "tie"}, False),
                      ({}, True), ({"friction": 0.4}, True)],
 )  # fmt: skip
 @pytest.mark.parametrize("density", [0.05, 20.0])
@@ -52,14 +52,14 @@ def test_the_energy_of_the_whole_is_the_sum_of_its_columns(lagrangian, density, 
     case = scene(2, bodies, cells=[10, 9], end=0.6, step={"courant": 0.3},
                  contact=[{"bodies": list(bodies), **law}])  # fmt: skip
     for name in lagrangian:
-        bodies[name]["configuration"] = "initial"
+        bodies[name]["formulation"] = "total-lagrangian"
     sim, rigid_bodies = start(case), [name for name in bodies if name not in ("block", "next")]
     sums, works, losses = [], [], []
     while not sim.finished:
         line = sim.diagnostics()
-        kinetic = sum(line[f"tool.{name}.kinetic-energy"] for name in rigid_bodies)
+        kinetic = sum(line[f"rigid.{name}.kinetic-energy"] for name in rigid_bodies)
         sums.append(energy(line) + line["dissipated-energy"] + kinetic)
-        works.append(sum(line[f"tool.{name}.work"] for name in rigid_bodies))
+        works.append(sum(line[f"rigid.{name}.work"] for name in rigid_bodies))
         name = "contact." + "+".join(bodies)
         losses.append([line[f"{name}.impact-loss"], line["dissipated-energy"]])
         assert line["external-work"] == pytest.approx(works[-1], abs=1e-12 * sums[0])
@@ -83,8 +83,8 @@ def test_energy_of_a_body_in_3d_that_turns_while_it_is_in_touch():
     every = []
     for _ in range(2):
         line = sim.diagnostics()
-        own = line["tool.ball.kinetic-energy"]
-        every.append(own + line["tool.ball.work"])
+        own = line["rigid.ball.kinetic-energy"]
+        every.append(own + line["rigid.ball.work"])
         finish(sim)
     assert line["contact.block+ball.normal-impulse"] > 1.0
     assert every[1] == pytest.approx(every[0], rel=1e-4)
@@ -93,9 +93,9 @@ def test_energy_of_a_body_in_3d_that_turns_while_it_is_in_touch():
 @pytest.mark.parametrize("later", [False, True])
 def test_a_body_force_does_not_act_on_free_bodies_and_it_is_said(later):
     """Also where a stage has it."""
-    force = {"body_force": {"rotating-frame": {"about": [8.0, 4.0], "rate": 1.0}}}
+    force = {"body-force": {"rotating-frame": {"about": [8.0, 4.0], "rate": 1.0}}}
     case = struck(2, {}, 1.0)
-    assert not [text for text in start(case).warnings if text.startswith("body_force")]
+    assert not [text for text in start(case).warnings if text.startswith("body-force")]
     if later:
         case["time"]["stages"] = [{"name": "turn", "end": 3.0, **force}]
     else:

@@ -18,7 +18,7 @@ WAY = {"table": [[0.0, [0.0, 0.0]], [0.2, [3.0, -0.2]], [0.6, [-2.0, 0.1]], [1.0
 STICKY = {"normal": 2.0, "shear": 2.0, "reach": 0.3}
 LAWS = {
     "without an entry": [],
-    "tied": [{"bodies": "all", "law": "tied"}],
+    "tied": [{"bodies": "all", "law": "tie"}],
     "friction": [{"bodies": "all", "friction": 0.5}],
     "adhesion": [{"bodies": "all", "friction": 0.5, "adhesion": STICKY}],
 }
@@ -47,7 +47,7 @@ def held(law, density, grip):
     }
     whole = {"box": {"min": [2.0, 3.0], "max": [6.0, 5.0]}}
     # Nothing comes near the upper wall; kernels are those of a floor that lets go.
-    walls = {"y-min": "fixed", "y-max": "separating"}
+    walls = {"y-min": "fixed", "y-max": "unilateral"}
     return scene(
         2, bodies, cells=[14, 10], end=1.0, boundaries=walls, contact=LAWS[law],
         constraints={"grip": {"body": "gripped", "region": whole, "velocity": grip}},
@@ -67,28 +67,28 @@ def test_rigid_bodies_on_what_is_held(law, density):
         sim.advance()
         lines.append(sim.diagnostics())
         spent.append(sim.rank.ledger.contact[:, :, [HEAT, LOSS]].sum())
-        assert lines[-1]["tool.under.force-x"] == lines[-1]["tool.under.force-y"] == 0.0
+        assert lines[-1]["rigid.under.force-x"] == lines[-1]["rigid.under.force-y"] == 0.0
     every = {name: np.array([line[name] for line in lines]) for name in lines[0]}
     gained = energy(every) - energy(every)[0] - every["external-work"] + np.array(spent)
     assert gained.max() <= 1e-9 * energy(every).max()
     assert np.diff(spent).min() >= -1e-12
-    assert every["tool.under.work"][-1] == 0.0
-    assert np.abs(every["tool.slides.work"]).max() > 1.0
+    assert every["rigid.under.work"][-1] == 0.0
+    assert np.abs(every["rigid.slides.work"]).max() > 1.0
     # What the ball loses the grip takes.
     for axis in "xy":
-        change = np.diff(every[f"tool.falls.momentum-{axis}"])
+        change = np.diff(every[f"rigid.falls.momentum-{axis}"])
         force = every[f"constraint.grip-{axis}"][1:]
-        scale = 1e-12 * np.abs(every["tool.falls.momentum-y"]).max()
+        scale = 1e-12 * np.abs(every["rigid.falls.momentum-y"]).max()
         assert change == pytest.approx(force * np.diff(every["time"]), abs=scale)
-    own, done = every["tool.falls.kinetic-energy"], every["tool.falls.work"]
+    own, done = every["rigid.falls.kinetic-energy"], every["rigid.falls.work"]
     # Work is all that the ball gives up. Where it sticks its velocity is found less closely.
     off = 0.02 if law == "adhesion" else 1e-12
     assert np.abs(own - own[0] + done).max() <= off * own[0]
     # It comes down by a twentieth, and its surface is as round as a cell.
-    assert every["tool.falls.displacement-y"].min() > -0.2
-    assert abs(every["tool.falls.velocity-y"][-1]) < 0.1
+    assert every["rigid.falls.displacement-y"].min() > -0.2
+    assert abs(every["rigid.falls.velocity-y"][-1]) < 0.1
     if "friction" not in law and law != "adhesion":
-        assert np.abs([every[f"tool.falls.velocity-{a}"][-1] for a in "xy"]).max() < 1e-6
+        assert np.abs([every[f"rigid.falls.velocity-{a}"][-1] for a in "xy"]).max() < 1e-6
 
 
 def faster(case, times):
@@ -106,7 +106,7 @@ def faster(case, times):
     return case | {"bodies": bodies, "materials": materials, "time": time}
 
 
-@pytest.mark.parametrize("walls", ["fixed", "separating"])
+@pytest.mark.parametrize("walls", ["fixed", "unilateral"])
 @pytest.mark.parametrize("times", [2.0**-20, 2.0**20])
 def test_units_of_time_do_not_matter(walls, times):
     """Scaled by a power of two every number has the same digits, whatever is held, and how."""
@@ -132,7 +132,7 @@ def test_what_is_tied_to_a_gripped_body_moves_with_it():
     """As if both were one body, but for forces on what of one is too light to be accelerated."""
     sims = [
         finish(start(pushed({"a": box([2.0, 1.0], [6.0, 4.0])}, []))),
-        finish(start(pushed(HALVES, [{"bodies": "all", "law": "tied"}]))),
+        finish(start(pushed(HALVES, [{"bodies": "all", "law": "tie"}]))),
     ]
     places = (field(start(sim.case), "x") for sim in sims)
     orders = [np.lexsort(np.round(x, 6).T) for x in places]
@@ -177,7 +177,7 @@ def test_a_slope_that_meets_what_is_held_across_it(degrees):
     mass, most = sim.diagnostics()["mass"], 0.0
     while not sim.finished:
         sim.advance()
-        most = max(most, abs(sim.diagnostics()["tool.slope.force-y"]))
+        most = max(most, abs(sim.diagnostics()["rigid.slope.force-y"]))
     speed = sim.diagnostics()["momentum-x"] / mass
     if degrees < 6.0:  # the free part of the normal's square is below a hundredth
         assert most == speed == 0.0
@@ -195,8 +195,8 @@ def test_a_heavy_ball_comes_to_rest_on_what_is_held_across_alone():
     grip = {"body": "block", "region": {"box": {"min": [0.0, 0.0], "max": [12.0, 12.0]}},
             "velocity": [None, 0.0]}  # fmt: skip
     case = scene(2, bodies, cells=[12, 12], end=3.0, step=0.01, gravity=[0.0, -1.0],
-                 boundaries={"y-max": "separating"}, constraints={"grip": grip},
+                 boundaries={"y-max": "unilateral"}, constraints={"grip": grip},
                  contact=[{"bodies": "all", "friction": 0.3}])  # fmt: skip
     line = finish(start(case)).diagnostics()
     # A thousandth of its own response is added, and of the weight of a step: 1e-5.
-    assert abs(line["tool.ball.velocity-y"]) < 1e-4
+    assert abs(line["rigid.ball.velocity-y"]) < 1e-4

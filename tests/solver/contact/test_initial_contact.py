@@ -14,7 +14,7 @@ HARD = SOFT | {"young": 1000.0}
 
 
 def initial(body):
-    return body | {"configuration": "initial"}
+    return body | {"formulation": "total-lagrangian"}
 
 
 def balls(cell, **parts):
@@ -72,7 +72,7 @@ def test_a_block_slides_on_an_incline_with_coulombs_friction(floor):
                  materials={"soft": HARD}, gravity=[g[0], -g[1]])  # fmt: skip
     if floor == "wall":
         bodies["block"]["region"] = {"box": {"min": [1.0, 0.0], "max": [5.0, 2.0]}}
-        case["boundaries"] = {"y-min": {"separating": {"friction": slope}}}
+        case["boundaries"] = {"y-min": {"unilateral": {"friction": slope}}}
     else:
         bodies["floor"] = {"rigid": {}, "region": {"box": {"min": [-2.0, -3.0],
                                                            "max": [20.0, 1.0]}}}  # fmt: skip
@@ -85,7 +85,7 @@ def test_a_block_slides_on_an_incline_with_coulombs_friction(floor):
         if line["time"] > 1.0:
             time.append(line["time"])
             speed.append(line["momentum-x"] / line["mass"])
-            name = "reaction.y-min-y" if floor == "wall" else "tool.floor.force-y"
+            name = "reaction.y-min-y" if floor == "wall" else "rigid.floor.force-y"
             push.append(abs(line[name]) / line["mass"])
     found = np.polyfit(time, speed, 1)[0]
     # The block rocks on its elastic lower half: the fit is over six of these periods.
@@ -125,7 +125,7 @@ def test_rigid_bodies_beyond_the_domain_act_as_within(kind, tmp_path):
     assert x[:, 1].min() < 0.0
     np.testing.assert_allclose(x, far, atol=1e-9)
     lines = [sim.diagnostics() for sim in sims]
-    for name in ("tool.floor.work", "momentum-y", "contact.block+floor.normal-impulse"):
+    for name in ("rigid.floor.work", "momentum-y", "contact.block+floor.normal-impulse"):
         assert lines[0][name] == pytest.approx(lines[1][name], rel=1e-7, abs=1e-9), name
     assert lines[0]["contact.block+floor.normal-impulse"] > 1.0
 
@@ -134,7 +134,7 @@ def test_a_body_that_falls_onto_a_wall_comes_to_it_bounces_and_leaves_it():
     ball = {"material": "soft", "region": {"ball": {"centre": [4.0, 3.0], "radius": 2.0}},
             "velocity": [0.0, -0.4]}  # fmt: skip
     case = scene(2, initial(ball), cells=[16, 12], cell=0.5, end=6.0, step={"courant": 0.3},
-                 materials={"soft": HARD}, boundaries={"y-min": "separating"})  # fmt: skip
+                 materials={"soft": HARD}, boundaries={"y-min": "unilateral"})  # fmt: skip
     sim = start(case)
     first, lowest, reach = sim.diagnostics(), np.inf, []
     while not sim.finished:
@@ -184,7 +184,7 @@ def test_what_is_held_bears_its_part_of_an_impact():
     region = {"box": {"min": [3.1, 0.1], "max": [4.1, 3.1]}}
     case = scene(
         2, initial(box([0.0, 0.1], [4.0, 3.0], [0.0, -1.0])), cells=[6, 5], step=0.005, end=0.6,
-        boundaries={"x-min": "fixed", "y-min": {"separating": {"friction": 0.3}}},
+        boundaries={"x-min": "fixed", "y-min": {"unilateral": {"friction": 0.3}}},
         constraints={"grip": {"body": "body", "region": region, "velocity": [0.2, -0.1]}},
     )  # fmt: skip
     sim = start(case)

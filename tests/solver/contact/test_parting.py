@@ -29,7 +29,7 @@ def test_a_plate_that_leaves_takes_nothing_along(D, friction, configuration):
     plate = box([0.5] * (D - 1) + [0.6], [8.5] * (D - 1) + [1.6], [0.3, *[0.0] * (D - 2), -1.0])
     case = resting(D, plate, end=0.5, contact=[{"bodies": "all", "friction": friction}])
     for body in case["bodies"].values():
-        body["configuration"] = configuration
+        body["formulation"] = configuration
     ball, own = taken(start(case), D)
     assert own[-1] == pytest.approx(8.0 ** (D - 1), rel=1e-9)
     assert ball == 0.0
@@ -38,7 +38,7 @@ def test_a_plate_that_leaves_takes_nothing_along(D, friction, configuration):
 def test_a_plate_that_is_tied_takes_the_ball_along():
     """They do touch."""
     plate = box([0.5, 0.6], [8.5, 1.6], [0.3, -1.0])
-    case = resting(2, plate, end=0.5, contact=[{"bodies": "all", "law": "tied"}])
+    case = resting(2, plate, end=0.5, contact=[{"bodies": "all", "law": "tie"}])
     ball, own = taken(start(case), 2)
     assert ball > 0.1 * own[-1]
 
@@ -53,9 +53,9 @@ def test_a_ball_that_has_lain_on_a_plate_falls_freely(configuration):
         gravity={"table": [[0.0, [0, 0]], [1.0, [0, -1]]]},
         contact=[{"bodies": "all", "friction": 0.5}], materials={"soft": SOFT | {"young": 400.0}},
     )  # fmt: skip
-    case["bodies"]["ball"]["configuration"] = configuration
+    case["bodies"]["ball"]["formulation"] = configuration
     time, force, along, momentum, mass = tracked(
-        start(case), "time", "tool.plate.force-y", "tool.plate.force-x", "body.ball.momentum-y",
+        start(case), "time", "rigid.plate.force-y", "rigid.plate.force-x", "body.ball.momentum-y",
         "body.ball.mass",
     )  # fmt: skip
     weight, push = mass[0], -force

@@ -19,7 +19,7 @@ def impulses(sim, name):
     while not sim.finished:
         sim.advance()
         line = sim.diagnostics()
-        names = [f"tool.{name}.{what}-{a}" for what in ("force", "torque") for a in "xyz"]
+        names = [f"rigid.{name}.{what}-{a}" for what in ("force", "torque") for a in "xyz"]
         total += (line["time"] - last) * np.array([line.get(each, 0.0) for each in names])
         last = line["time"]
     return total, line
@@ -34,11 +34,11 @@ def test_momentum_and_work_of_a_ram(D):
     momentum = np.array([line[f"momentum-{a}"] for a in "xyz"[:D]])
     assert momentum[0] > 1.1 * line["mass"]
     assert total[:D] == pytest.approx(-momentum, abs=2e-12 * momentum[0])
-    assert line["tool.ram.work"] == pytest.approx(momentum @ velocity, rel=1e-12)
-    assert line["external-work"] == line["tool.ram.work"]
-    assert line["tool.ram.displacement-x"] == pytest.approx(1.0, abs=1e-12)
+    assert line["rigid.ram.work"] == pytest.approx(momentum @ velocity, rel=1e-12)
+    assert line["external-work"] == line["rigid.ram.work"]
+    assert line["rigid.ram.displacement-x"] == pytest.approx(1.0, abs=1e-12)
     lost = line["dissipated-energy"]
-    assert 0.0 < lost < 0.3 * line["tool.ram.work"]
+    assert 0.0 < lost < 0.3 * line["rigid.ram.work"]
     # Moments about the origin of the coordinates where it began, which goes along.
     if D == 2:
         gained = line["angular-momentum-z"]
@@ -107,7 +107,7 @@ def test_a_block_slides_down_a_rigid_slope(friction):
     slip = end["contact.block+slope.tangential-impulse"]
     assert slip == pytest.approx(friction * push, rel=0.04)  # it begins at rest
     assert push == pytest.approx(g * cos(slope) * end["mass"] * end["time"], rel=0.04)
-    assert end["tool.slope.work"] == 0.0
+    assert end["rigid.slope.work"] == 0.0
 
 
 def test_a_wheel_turns_a_disk():
@@ -124,7 +124,7 @@ def test_a_wheel_turns_a_disk():
     case = scene(2, bodies, cells=[20, 16], end=6.0, gravity=[0.0, 0.1], contact=contact)
     sim = start(case)
     heat, torque, work = tracked(
-        sim, "contact.disk+wheel.friction-heat", "tool.wheel.torque-z", "tool.wheel.work"
+        sim, "contact.disk+wheel.friction-heat", "rigid.wheel.torque-z", "rigid.wheel.work"
     )
     assert torque[1:].min() < 0.0  # the disk holds the wheel back
     assert work[-1] > 0.0
@@ -170,7 +170,7 @@ def test_distant_rigid_bodies_leave_others_as_they_are():
         "far": rigid([10.0, 5.0], [12.0, 7.0]),
     }
     parts = {"cells": [14, 8], "end": 0.3, "gravity": [0.0, -1.0],
-             "boundaries": {"y-min": "separating"},
+             "boundaries": {"y-min": "unilateral"},
              "contact": [{"bodies": ["low", "high"], "friction": 0.3}]}  # fmt: skip
     alone = {name: bodies[name] for name in ("low", "high")}
     lines = [finish(start(scene(2, some, **parts))).diagnostics() for some in (bodies, alone)]

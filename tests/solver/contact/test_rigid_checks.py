@@ -145,7 +145,7 @@ def test_motions_that_a_plane_of_symmetry_forbids_are_warned_of(region, motion, 
     found = [text for text in start(case).warnings if "slip wall" in text]
     assert len(found) == bool(said)
     assert all(text.startswith("bodies.punch.rigid: it ") and said in text for text in found)
-    for condition in ("fixed", "separating"):
+    for condition in ("fixed", "unilateral"):
         other = case | {"boundaries": {"x-min": condition}}
         assert not any("slip wall" in text for text in start(other).warnings)
     if region is INSIDE:

@@ -28,7 +28,7 @@ def first(disk, other, way, rigid, gap):
     sim = start({
         "format": 1, "dimensions": 2,
         "grid": {"size": [28.0, 28.0], "cell": [1.0, 1.0]},
-        "method": {"shape": "gimp", "particles_per_cell": [2, 2]},
+        "method": {"shape": "gimp", "particles-per-cell": [2, 2]},
         "time": {"end": 400.0, "step": 1.0},
         "materials": {"solid": {"model": "neo-hookean", "young": 0.02, "poisson": 0.0,
                                 "density": 1.0}},

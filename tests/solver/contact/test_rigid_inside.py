@@ -46,8 +46,10 @@ def test_sand_that_falls_on_a_slope_in_3d(speed):
     assert sim.particles.m[sim.live()][depth > QUARTER].sum() < 4e-3 * sim.diagnostics()["mass"]
     assert depth.max() < 0.5  # slivers, whose centroids are outside
     line = sim.diagnostics()
-    assert line["tool.slope.inside"] == 0
-    assert line["tool.slope.work"] == pytest.approx(-speed * line_impulse(sim), rel=1e-9, abs=1e-12)
+    assert line["rigid.slope.penetrating-particles"] == 0
+    assert line["rigid.slope.work"] == pytest.approx(
+        -speed * line_impulse(sim), rel=1e-9, abs=1e-12
+    )
 
 
 def line_impulse(sim):
@@ -73,7 +75,7 @@ def test_a_layer_of_one_particle_slides_as_coulomb_says(degrees):
         rows = sim.live()
         m = sim.particles.m[rows]
         found.append((sim.time, m @ (sim.particles.v[rows] @ along) / m.sum()))
-        assert sim.diagnostics()["tool.slope.inside"] == 0
+        assert sim.diagnostics()["rigid.slope.penetrating-particles"] == 0
     time, speed = np.array(found)[100:].T
     slides = sin(radians(degrees)) - 0.2 * cos(radians(degrees))
     assert np.polyfit(time, speed, 1)[0] == pytest.approx(slides, rel=0.03)
@@ -95,17 +97,17 @@ def test_momentum_and_energy_with_a_free_body_that_holds_particles(density):
     before, sums = None, []
     while True:
         line = sim.diagnostics()
-        total = [line[f"momentum-{a}"] + line[f"tool.wedge.momentum-{a}"] for a in "xy"]
+        total = [line[f"momentum-{a}"] + line[f"rigid.wedge.momentum-{a}"] for a in "xy"]
         before = before or total
         assert total == pytest.approx(before, abs=1e-10 * line["mass"])
-        assert line["tool.wedge.inside"] == 0
-        sums.append(energy(line) + line["dissipated-energy"] + line["tool.wedge.kinetic-energy"])
-        assert energy(line) + line["tool.wedge.kinetic-energy"] <= 1.001 * sums[0]
+        assert line["rigid.wedge.penetrating-particles"] == 0
+        sums.append(energy(line) + line["dissipated-energy"] + line["rigid.wedge.kinetic-energy"])
+        assert energy(line) + line["rigid.wedge.kinetic-energy"] <= 1.001 * sums[0]
         if sim.finished:
             break
         sim.advance()
     assert np.abs(np.array(sums) / sums[0] - 1.0).max() < 1e-11
-    assert line["tool.wedge.work"] < -1e-3 * sums[0]
+    assert line["rigid.wedge.work"] < -1e-3 * sums[0]
 
 
 def test_what_is_inside_is_counted_and_warned_of_once():
@@ -114,10 +116,14 @@ def test_what_is_inside_is_counted_and_warned_of_once():
               "floor": half(2, [4.0, 3.0], 20.0, {})[0]}  # fmt: skip
     case = scene(2, bodies, contact=[{"bodies": ["block", "floor"]}])
     sim = start(case)
-    assert sim.diagnostics()["tool.floor.inside"] == 0
+    assert sim.diagnostics()["rigid.floor.penetrating-particles"] == 0
     rows = sim.live()[:3]
     sim.particles.x[rows] = [[4.0, 2.5], [4.0, 2.9], [4.0, 1.0]]
-    assert sim.diagnostics()["tool.floor.inside"] == sim.diagnostics()["tool.floor.inside"] == 2
+    assert (
+        sim.diagnostics()["rigid.floor.penetrating-particles"]
+        == sim.diagnostics()["rigid.floor.penetrating-particles"]
+        == 2
+    )
     said = sim.diagnostic_sums.said
     assert len(said) == 1 and "2 in 'floor' at time 0" in said[0]
     assert origin(sim.rank, rows[0], 0.0) == ", from inside the rigid body 'floor'"

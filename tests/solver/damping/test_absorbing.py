@@ -29,7 +29,7 @@ def pulse(cells, wave, configuration, face="absorbing", height=1):
         "y-max": sides,
     }
     step = 0.3 / SPEED["p"]
-    case = scene(2, box([0.0, 0.0], [cells, height]) | {"configuration": configuration},
+    case = scene(2, box([0.0, 0.0], [cells, height]) | {"formulation": configuration},
                  cells=[cells, height], boundaries=walls | ({"x-max": face} if face else {}),
                  end=1000 * step, step=step)  # fmt: skip
     case["materials"]["soft"] = {
@@ -135,8 +135,8 @@ def block(configuration, **parts):
     faces = {
         "x-min": "absorbing", "x-max": "absorbing", "y-min": {"absorbing": {"held": "fixed"}},
     }  # fmt: skip
-    body = box([0.0, 0.0], [6.0, 5.0]) | {"configuration": configuration}
-    parts = {"start": {"settle": {"tolerance": 1e-6}}, "boundaries": faces, "end": 4.0} | parts
+    body = box([0.0, 0.0], [6.0, 5.0]) | {"formulation": configuration}
+    parts = {"start": {"equilibrate": {"tolerance": 1e-6}}, "boundaries": faces, "end": 4.0} | parts
     return scene(2, body, cells=[6, 7], gravity=[0.0, -0.1], step={"courant": 0.3}, **parts)
 
 
@@ -178,7 +178,7 @@ def test_a_settled_case_and_one_that_is_not_are_told_apart():
     assert [*unquiet(Case.model_validate(case))] == []
     del case["start"]
     texts = [*unquiet(Case.model_validate(case))]
-    assert len(texts) == 3 and "start: {settle: {}}" in texts[0]
+    assert len(texts) == 3 and "start: {equilibrate: {}}" in texts[0]
     del case["gravity"]
     assert [*unquiet(Case.model_validate(case))] == []
 

@@ -12,7 +12,7 @@ RATE = 1.0
 
 def bar(configuration, cells=40, **parts):
     """A bar of length 1 and wave speed 1, fixed at one end, that gravity pulls from time 0 on."""
-    body = box([0.0], [1.0]) | {"configuration": configuration}
+    body = box([0.0], [1.0]) | {"formulation": configuration}
     return scene(
         1,
         body,
@@ -57,7 +57,7 @@ def test_a_bar_vibrates_more_slowly_and_less_with_mass_damping(configuration):
 
 def flight(configuration, damping, **parts):
     """A block in free flight, without strain."""
-    body = box([1.0, 2.0], [3.0, 4.0], [2.0, 1.0]) | {"configuration": configuration}
+    body = box([1.0, 2.0], [3.0, 4.0], [2.0, 1.0]) | {"formulation": configuration}
     return scene(2, body, cells=[12, 8], end=1.0, damping=damping, **parts)
 
 
@@ -198,7 +198,7 @@ def test_kinetic_damping_finds_the_static_cantilever_within_two_periods():
     corner = np.array([[x * y for x in (0.25, 0.75)] for y in (0.25, 0.75)])
     tip = (u[2 * number[-2:, -2:] + 1] * corner.T).sum()
 
-    body = box([0.0, 1.0], [10.0, 2.0]) | {"configuration": "initial"}
+    body = box([0.0, 1.0], [10.0, 2.0]) | {"formulation": "total-lagrangian"}
     case = scene(2, body, cells=[20, 6], cell=h, shape="mpm", end=2.0 * period,
                  step={"courant": 0.5}, gravity=[0.0, -g], boundaries={"x-min": "fixed"},
                  damping={"kinetic": True})  # fmt: skip

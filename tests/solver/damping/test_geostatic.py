@@ -84,7 +84,7 @@ def test_a_slope_has_the_weight_of_its_columns_and_settles_sooner():
             sim.advance()
         return sim.step
 
-    settle = {"settle": {"tolerance": 1e-3}}
+    settle = {"equilibrate": {"tolerance": 1e-3}}
     assert steps(case["start"] | settle) < steps(settle)
 
 
@@ -126,7 +126,7 @@ STONE = {"rigid": {"density": 3.0}, "region": {"ball": {"center": [1.5, 6.0], "r
         ("hooke", {"start": {"stress": {"k0": {"bod": 0.5}}}}, "did you mean 'body'"),
         ("hooke", {"start": {"stress": {"k0": "1-sin-phi"}}}, "needs the friction-angle"),
         ("hooke", {"start": {"stress": {"k0": 0.5, "ocr": 2.0}}}, "is of cam-clay"),
-        ("neo-hookean", {"configuration": "initial"}, "initial begins undeformed"),
+        ("neo-hookean", {"formulation": "total-lagrangian"}, "total-lagrangian begins undeformed"),
         (
             "hooke",
             {"stone": STONE},
@@ -144,7 +144,7 @@ STONE = {"rigid": {"density": 3.0}, "region": {"ball": {"center": [1.5, 6.0], "r
 def test_what_has_no_such_stress_is_refused(law, change, text):
     case = ground(law)
     for key, value in change.items():
-        if key == "configuration":
+        if key == "formulation":
             case["bodies"]["body"][key] = value
         elif key == "stone":
             case["bodies"][key] = value

@@ -48,16 +48,16 @@ LAKE = {"region": TOP, "hydrostatic": {"level": 7.0, "density": 1.0}}
         ("hooke", 2, LAKE, {}),
         wide("hooke", 2, {"region": TOP, "pressure": 2.0}, {"geometry": "axisymmetric"}),
         wide("hooke", 2, LAKE, {"geometry": "axisymmetric"}),
-        ("hooke", 2, {"face": "y-max", "pressure": 2.0}, {"configuration": "initial"}),
+        ("hooke", 2, {"face": "y-max", "pressure": 2.0}, {"formulation": "total-lagrangian"}),
     ],
 )
 def test_surcharges_of_all_kinds_leave_ground_at_rest(law, dimension, load, parts):
     parts = dict(parts)
-    configuration = parts.pop("configuration", "current")
+    configuration = parts.pop("formulation", "updated-lagrangian")
     load = {"fill": load | {"body": "body"}}
     case = ground(law, dimension, water=WATER, tractions=load, **parts)
     case["start"]["stress"]["surcharge"] = ["fill"]
-    case["bodies"]["body"]["configuration"] = configuration
+    case["bodies"]["body"]["formulation"] = configuration
     if parts:
         del case["boundaries"]["x-min"]
     most, sim = fastest(case, 300)
@@ -105,7 +105,7 @@ def test_what_falls_in_water_has_its_weight_in_water(density):
 def test_ground_that_is_drained_settles_under_its_whole_weight():
     case = ground("hooke", water=WATER | {"level": 5.0})
     case["time"]["end"] = 1e-3
-    rest = {"name": "drained", "settle": {"tolerance": 1e-6}, "water": None}
+    rest = {"name": "drained", "equilibrate": {"tolerance": 1e-6}, "water": None}
     case["time"]["stages"] = [rest]
     sim = start(case)
     while not sim.finished:

@@ -19,9 +19,9 @@ HEIGHT, PART = 16.0, 0.9
 
 def bar(configuration="initial", step=0.5, tolerance=1e-4, **parts):
     """A bar of weight 16, held below; waves cross 10 cells in a unit of time."""
-    body = box([0.0], [HEIGHT]) | {"configuration": configuration}
+    body = box([0.0], [HEIGHT]) | {"formulation": configuration}
     step = step if isinstance(step, float) and step < 0.1 else {"courant": step}
-    parts = {"start": {"settle": {"tolerance": tolerance}}, "end": 0.19} | parts
+    parts = {"start": {"equilibrate": {"tolerance": tolerance}}, "end": 0.19} | parts
     case = scene(1, body, cells=[20], step=step, gravity=[-1e-2], boundaries={"x-min": "fixed"},
                  **parts)  # fmt: skip
     case["materials"]["soft"]["young"] = 1e2
@@ -96,7 +96,7 @@ def test_what_no_longer_falls_ends_the_run_and_is_named(monkeypatch):
 
 
 def test_a_body_that_nothing_holds_is_named_and_there_is_a_frame(tmp_path):
-    case = bar(start={"settle": {"steps": 40}}, output={"every": 1.0, "fields": ["velocity"]})
+    case = bar(start={"equilibrate": {"steps": 40}}, output={"every": 1.0, "fields": ["velocity"]})
     case["boundaries"] = {}
     case["bodies"]["body"]["region"]["box"] = {"min": [2.0], "max": [6.0]}
     case["gravity"] = [1e-2]
@@ -112,10 +112,10 @@ def slender(dimension, tolerance):
     load = {"body": "body", "face": f"{'xyz'[dimension - 1]}-max", "pressure": 1e-4}
     faces = {"x-min": "fixed"} | dict.fromkeys(["y-min", "y-max"] * len(wide), "slip")
     cells = [24, *([1] * len(wide)), 10]
-    body = box([*low], [*high]) | {"configuration": "initial"}
+    body = box([*low], [*high]) | {"formulation": "total-lagrangian"}
     sim = start(scene(dimension, body, cells=cells, step={"courant": 0.5}, end=0.1,
                       tractions={"p": load}, boundaries=faces,
-                      start={"settle": {"tolerance": tolerance}}))  # fmt: skip
+                      start={"equilibrate": {"tolerance": tolerance}}))  # fmt: skip
     settled(sim)
     return sim.particles.x[sim.live()][:, -1].min()
 
@@ -129,7 +129,7 @@ def test_what_walls_bear_does_not_end_the_settling_too_early(dimension):
 
 def cantilever(**parts):
     """A beam of ten times its height, four cells high, with a pressure on its upper face."""
-    body = box([0.0, 4.0], [40.0, 8.0]) | {"configuration": "initial"}
+    body = box([0.0, 4.0], [40.0, 8.0]) | {"formulation": "total-lagrangian"}
     load = {"body": "body", "face": "y-max", "pressure": 1e-4}
     return scene(2, body, cells=[48, 12], step={"courant": 0.5}, end=0.1, tractions={"p": load},
                  boundaries={"x-min": "fixed"}, **parts)  # fmt: skip
@@ -137,7 +137,7 @@ def cantilever(**parts):
 
 def test_a_cantilever_under_a_pressure_rests_as_beams_do():
     """The wave through its height does not stop the bending; deflection by Timoshenko's theory."""
-    sim = start(cantilever(start={"settle": {}}, output={"fields": ["displacement"]}))
+    sim = start(cantilever(start={"equilibrate": {}}, output={"fields": ["displacement"]}))
     longest, _ = settled(sim)
     modulus, shear, length, height = 100.0 / 0.91, 100.0 / 2.6, 40.0, 4.0
     inertia = height**3 / 12.0

@@ -18,17 +18,17 @@ pytestmark = pytest.mark.slow(40)
 #: One-dimensional stiffness of the soft solid.
 STIFF = 134.6
 STEPS = ({"courant": 0.3}, {"courant": "auto"}, 0.02)
-REST = {"name": "dig", "remove": ["top"], "settle": {}}
+REST = {"name": "dig", "remove": ["top"], "equilibrate": {}}
 
 
 def column(*stages, configuration="current", step=STEPS[0], **parts):
     """A column of weight 6 on the floor at rest, of which stages take the upper third away."""
     bodies = {
-        "low": box([0.0, 0.0], [1.0, 4.0]) | {"configuration": configuration},
-        "top": box([0.0, 4.0], [1.0, 6.0]) | {"configuration": configuration},
+        "low": box([0.0, 0.0], [1.0, 4.0]) | {"formulation": configuration},
+        "top": box([0.0, 4.0], [1.0, 6.0]) | {"formulation": configuration},
     }
     walls = {"x-min": "slip", "x-max": "slip", "y-min": "slip"}
-    parts = {"start": {"settle": {}}, "gravity": [0.0, -1.0]} | parts
+    parts = {"start": {"equilibrate": {}}, "gravity": [0.0, -1.0]} | parts
     case = scene(2, bodies, cells=[1, 7], boundaries=walls, end=0.3, step=step, **parts)
     case["time"]["stages"] = [*stages]
     return case
@@ -107,7 +107,7 @@ def test_books_balance_over_a_stage_that_settles(damping):
 
 
 def test_stages_that_settle_may_follow_each_other_and_end_the_run():
-    case = column(REST, {"name": "more", "gravity": [0.0, -2.0], "settle": {}}, step=0.02)
+    case = column(REST, {"name": "more", "gravity": [0.0, -2.0], "equilibrate": {}}, step=0.02)
     first, second, third = pgimp.load(case).stages
     assert (second.time.end, third.time.end, third.time.last) == (0.3, 0.3, 0.3)
     assert steps_in(second) == steps_in(third) == 0
@@ -119,7 +119,7 @@ def test_stages_that_settle_may_follow_each_other_and_end_the_run():
 
 def test_softer_ground_sinks_and_comes_to_rest():
     soft = {"materials": {"soft": {"young": 0.8 * SOFT["young"]}}}
-    case = column({"name": "soft", "settle": {"tolerance": 1e-5}, **soft})
+    case = column({"name": "soft", "equilibrate": {"tolerance": 1e-5}, **soft})
     sim = reached(case, 0)
     before = sim.diagnostics()["body.low.centre-y"]
     after = finish(sim).diagnostics()["body.low.centre-y"]
@@ -142,7 +142,7 @@ def test_an_absorbing_face_finds_its_force_anew():
 
 
 def test_no_rest_has_an_exit_status_and_a_frame(tmp_path, capsys):
-    case = column({"name": "fall", "settle": {"steps": 30}, "boundaries": {"y-min": None}})
+    case = column({"name": "fall", "equilibrate": {"steps": 30}, "boundaries": {"y-min": None}})
     case["grid"] |= {"origin": [0.0, -20.0], "size": [1.0, 27.0]}
     case["bodies"]["floor"] = box([0.0, -1.0], [1.0, 0.0])
     del case["start"]
@@ -151,7 +151,7 @@ def test_no_rest_has_an_exit_status_and_a_frame(tmp_path, capsys):
     folder = tmp_path / "run"
     assert main([str(path), "-o", str(folder)]) == NoRestError.exit_status == 3
     text = " ".join(capsys.readouterr().err.split())
-    steps = int(re.search(r"time\.stages\.0\.settle: no rest after (\d+) steps", text)[1])
+    steps = int(re.search(r"time\.stages\.0\.equilibrate: no rest after (\d+) steps", text)[1])
     assert 30 < steps < 40
     assert f"no rest after {steps} steps (30 at most, looked at every 10): " in text
     run = pgimp.open(folder)
@@ -163,9 +163,9 @@ def test_no_rest_has_an_exit_status_and_a_frame(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("stage", "text"),
     [
-        ({"end": 0.5}, r"stages\.0\.end: a stage with settle is done when it is at rest"),
-        ({"settle": None}, r"stages\.0\.end: missing \(or \{settle: \{\}\}"),
-        ({"settle": {"tolerance": 2.0}}, r"stages\.0\.settle\.tolerance: must be below 1"),
+        ({"end": 0.5}, r"stages\.0\.end: a stage with `equilibrate` is done when it is at rest"),
+        ({"equilibrate": None}, r"stages\.0\.end: missing \(or \{equilibrate: \{\}\}"),
+        ({"equilibrate": {"tolerance": 2.0}}, r"stages\.0\.settle\.tolerance: must be below 1"),
         (
             {"boundaries": {"x-max": {"velocity": [0.1, None]}}},
             r"stages\.0\.boundaries\.x-max: moves at t = 0\.3, and settle looks for rest",
@@ -196,7 +196,9 @@ def test_what_holds_a_removed_body_may_move():
 def test_a_grip_with_a_force_moves_until_the_material_bears_it():
     """As a static plate test wants it: each load is a stage that settles."""
     region = {"box": {"min": [0.0, 5.0], "max": [1.0, 6.0]}}
-    case = column({"name": "press", "constraints": {"grip": {"force": [None, -3.0]}}, "settle": {}})
+    case = column(
+        {"name": "press", "constraints": {"grip": {"force": [None, -3.0]}}, "equilibrate": {}}
+    )
     case["constraints"] = {
         "grip": {"body": "top", "velocity": [0.0, None], "force": [None, 0.0], "region": region}
     }
@@ -212,9 +214,11 @@ def test_a_grip_with_a_force_moves_until_the_material_bears_it():
 
 
 def test_rigid_bodies_that_move_freely_are_refused():
-    case = column({"name": "rest", "settle": {}})
+    case = column({"name": "rest", "equilibrate": {}})
     del case["start"]
     ball = {"centre": [0.5, 6.5], "radius": 0.3}
     case["bodies"]["ball"] = {"rigid": {"density": 1.0}, "region": {"ball": ball}}
-    with pytest.raises(CaseError, match=r"stages\.0\.settle: .*'ball' is rigid and moves freely"):
+    with pytest.raises(
+        CaseError, match=r"stages\.0\.equilibrate: .*'ball' is rigid and moves freely"
+    ):
         pgimp.load(case)

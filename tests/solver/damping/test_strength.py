@@ -23,12 +23,12 @@ def infinite(factor, dilation, model):
     rest = {"tolerance": 1e-4}
     case = scene(
         2, box([0.0, 0.0], [1.0, 1.0], material="soil"), cells=[4, 6], cell=0.25, end=2e-3,
-        step={"courant": 0.4}, materials={"soil": soil}, start={"settle": rest},
+        step={"courant": 0.4}, materials={"soil": soil}, start={"equilibrate": rest},
         gravity=[WEIGHT * sin(SLOPE), -WEIGHT * cos(SLOPE)],
         boundaries={"x-min": "periodic", "x-max": "periodic", "y-min": "fixed"},
     )  # fmt: skip
     case["method"]["volumetric"] = "mean"
-    weak = {"name": "weak", "strength": {"factor": factor}, "settle": rest | {"steps": 2000}}
+    weak = {"name": "weak", "strength": {"factor": factor}, "equilibrate": rest | {"steps": 2000}}
     case["time"]["stages"] = [weak]
     return case
 

@@ -64,7 +64,7 @@ def test_the_torque_of_a_bar():
 
 def test_the_force_is_the_rate_of_momentum():
     """Exactly, of vertices that keep their motion: a block that spins, cut on one side."""
-    body = box([1.0, 1.0], [7.0, 5.0]) | {"configuration": "initial"}
+    body = box([1.0, 1.0], [7.0, 5.0]) | {"formulation": "total-lagrangian"}
     body["velocity"] = {"rotation": {"rate": 0.5, "about": [4.0, 3.0]}}
     gauges = {"cut": {"cut": half([5.5, 3.0], [-1.0, 0.0])}}
     sim = start(scene(2, body, gauges=gauges, end=1.0))

@@ -34,7 +34,7 @@ def column():
         cells=[4, 8],
         gravity=[0.0, -0.2],
         boundaries=WALLS,
-        start={"settle": {"tolerance": 1e-7}},
+        start={"equilibrate": {"tolerance": 1e-7}},
         damping={"kinetic": True},
         gauges=GAUGES,
     )

@@ -20,7 +20,7 @@ def loaded(configuration):
     left = {"half-space": {"point": [3.0, 0.0], "normal": [1.0, 0.0]}}
     return scene(
         2,
-        box(LOW, HIGH) | {"configuration": configuration},
+        box(LOW, HIGH) | {"formulation": configuration},
         cells=[9, 9],
         step=0.002,
         tractions={

@@ -19,7 +19,7 @@ C = 10.0
 
 
 def initial(low, high, **parts):
-    return box(low, high) | {"configuration": "initial"} | parts
+    return box(low, high) | {"formulation": "total-lagrangian"} | parts
 
 
 def solid(D, body, cells, mass, courant=0.3, **parts):
@@ -214,7 +214,8 @@ def test_a_bar_stands_on_another():
     """What has come to rest with lumped mass stays: forces of contact are among those averaged."""
     bodies = {"low": initial([0.0], [10.37]), "top": initial([10.37], [18.9])}
     case = solid(1, bodies, [24], "averaged", gravity=[-0.1], boundaries={"x-min": "fixed"},
-                 contact=[{"bodies": "all"}], start={"settle": {"tolerance": 1e-8}})  # fmt: skip
+                 contact=[{"bodies": "all"}],
+                 start={"equilibrate": {"tolerance": 1e-8}})  # fmt: skip
     sim = start(case)
     while sim.scene.domain.settling:
         sim.advance()
@@ -285,7 +286,7 @@ def test_a_pile_rests_in_long_steps():
     }
     case = solid(2, bodies, [13, 17], "averaged", gravity=[0.0, -0.02],
                  boundaries={"y-min": "fixed"}, contact=[{"bodies": "all", "friction": 0.3}],
-                 start={"settle": {"tolerance": 1e-6}})  # fmt: skip
+                 start={"equilibrate": {"tolerance": 1e-6}})  # fmt: skip
     case["materials"]["soft"] = SOFT
     case["time"]["step"] = {"courant": "auto"}
     sim = start(case)
@@ -322,8 +323,8 @@ def test_refused_where_it_means_nothing():
     case = solid(1, box([3.0], [13.0]), [20], "averaged")
     with pytest.raises(ValueError, match=r"method.mass\s.*'body' is in the current one"):
         Case.model_validate(case)
-    case["bodies"]["body"] |= {"configuration": "initial"}
-    case["method"] = {"shape": "mpm", "particles_per_cell": [2], "mass": "averaged"}
+    case["bodies"]["body"] |= {"formulation": "total-lagrangian"}
+    case["method"] = {"shape": "mpm", "particles-per-cell": [2], "mass": "averaged"}
     with pytest.raises(ValueError, match=r"method.mass\s.*hardly any mass"):
         Case.model_validate(case)
 

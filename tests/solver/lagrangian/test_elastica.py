@@ -39,7 +39,7 @@ def bent(cells):
     end = ROOT + LENGTH
     clamp = {"body": "strip", "region": {"box": {"min": [0.0, 0.0], "max": [ROOT, 2.0]}}}
     grip = {"body": "strip", "region": {"box": {"min": [end, 0.0], "max": [end + 1.0, 2.0]}}}
-    strip = box([0.0, 0.5], [end + 1.0, 0.5 + HEIGHT]) | {"configuration": "initial"}
+    strip = box([0.0, 0.5], [end + 1.0, 0.5 + HEIGHT]) | {"formulation": "total-lagrangian"}
     case = scene(
         2, {"strip": strip}, cell=h, cells=[round((end + 1.0) / h), round(1.5 / h)],
         end=BENDS + RESTS, step=0.02 * h, damping={"mass": 1.5},

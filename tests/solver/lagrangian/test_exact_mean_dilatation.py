@@ -18,7 +18,7 @@ PUSH = 0.05
 def cut_body(D, region, poisson, **parts):
     """A scene of a body in the initial configuration with mean dilatation."""
     velocity = parts.pop("velocity", None)
-    body = {"material": "soft", "region": region, "configuration": "initial"}
+    body = {"material": "soft", "region": region, "formulation": "total-lagrangian"}
     body |= {"velocity": velocity} if velocity else {}
     case = scene(D, body, materials={"soft": SOFT | {"poisson": poisson}}, **parts)
     case["method"]["volumetric"] = "mean"
@@ -112,7 +112,7 @@ def test_forces_are_those_of_a_potential(D):
     A small body is alone in its cell.
     """
     dt, size, poisson = 1e-4, 0.1, 0.3
-    body = {"material": "soft", "configuration": "initial"}
+    body = {"material": "soft", "formulation": "total-lagrangian"}
     bodies = {
         "body": body | {"region": box([1.2, 0.98, 1.0][:D], [3.1, 3.0, 2.4][:D])},
         "crumb": body | {"region": box([5.25] * D, 0.5)},

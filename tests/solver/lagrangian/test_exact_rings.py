@@ -23,7 +23,12 @@ def ball(x, y, radius):
 
 def exact(region, **more):
     """A body in the initial configuration, exact to its surface."""
-    body = {"material": "soft", "region": region, "configuration": "initial", "surface": "exact"}
+    body = {
+        "material": "soft",
+        "region": region,
+        "formulation": "total-lagrangian",
+        "surface": "exact",
+    }
     return body | more
 
 

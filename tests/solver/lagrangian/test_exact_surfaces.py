@@ -21,7 +21,7 @@ PUSH = 0.05
 
 def exact(region, **more):
     """A body in the initial configuration, exact to its surface."""
-    body = {"material": "soft", "region": region, "configuration": "initial"}
+    body = {"material": "soft", "region": region, "formulation": "total-lagrangian"}
     return body | more
 
 

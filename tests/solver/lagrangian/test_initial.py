@@ -23,7 +23,7 @@ STIFF = {"model": "hooke", "young": 300.0, "poisson": 0.25, "density": 2.0}
 
 
 def initial(body):
-    return body | {"configuration": "initial"}
+    return body | {"formulation": "total-lagrangian"}
 
 
 def disturbed(case):
@@ -66,7 +66,7 @@ def space(**parts):
 
 
 def mean(case):
-    return case | {"method": case["method"] | {"volumetric": "mean"}}
+    return case | {"method": case["method"] | {"volumetric": "b-bar"}}
 
 
 def line(**parts):
@@ -103,7 +103,7 @@ def test_a_step_is_that_of_the_equations(name, monkeypatch):
     scene, rows = sim.scene, sim.live()
     p = type(sim.particles)(*(column[rows].copy() for column in sim.particles))
     shape = case["method"]["shape"]
-    grid = Lagrangian(shape, case["method"]["particles_per_cell"], scene.domain.frame)
+    grid = Lagrangian(shape, case["method"]["particles-per-cell"], scene.domain.frame)
     grid.particles_to_grid(p)
     faces = []
     for face in scene.domain.faces:
@@ -253,4 +253,4 @@ def test_passing_a_wall_that_does_not_hold_it_stops_the_run():
         finish(start(case))
     text = str(caught.value)
     assert re.search(r"particle \d+ of body 'body' left the domain through z-min", text), text
-    assert "configuration: current" in text
+    assert "formulation: updated-lagrangian" in text

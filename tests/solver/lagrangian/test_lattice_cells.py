@@ -16,7 +16,7 @@ COLUMNS = ("x", "v", "F", "V", "sigma")
 
 
 def initial(body):
-    return body | {"configuration": "initial"}
+    return body | {"formulation": "total-lagrangian"}
 
 
 def disks(**parts):
@@ -72,7 +72,7 @@ VISCOUS = SOFT | {"viscosity": {"linear": 0.2, "quadratic": 1.0}}
 
 
 def remade(case, **materials):
-    """The case with other materials by name, and `volumetric: mean` if that is asked for."""
+    """The case with other materials by name, and `volumetric: b-bar` if that is asked for."""
     case = deepcopy(case)
     if materials.pop("mean", False):
         case["method"]["volumetric"] = "mean"

@@ -16,7 +16,7 @@ CENTRE, INNER, OUTER, PRESSURE = np.array([7.13, 6.91]), 3.0, 6.0, 0.01
 def tube(**parts):
     """A thick tube in plane strain, exact to its surface."""
     balls = [{"ball": {"centre": CENTRE.tolist(), "radius": r}} for r in (OUTER, INNER)]
-    body = {"material": "soft", "region": {"difference": balls}, "configuration": "initial",
+    body = {"material": "soft", "region": {"difference": balls}, "formulation": "total-lagrangian",
             "surface": "exact"}  # fmt: skip
     return scene(2, body, cells=[14, 14], materials={"soft": SOFT}, **parts)
 

@@ -70,7 +70,7 @@ frames.finish()
 
 def block(cells, **parts):
     """A cube of so many cells along each direction, elastic, in the initial configuration."""
-    body = box([1.0] * 3, [cells + 1.0] * 3, [0.1, 0.0, 0.0]) | {"configuration": "initial"}
+    body = box([1.0] * 3, [cells + 1.0] * 3, [0.1, 0.0, 0.0]) | {"formulation": "total-lagrangian"}
     return scene(3, body, cells=[cells + 2] * 3, step=1e-4, gravity=[0.0, 0.0, -1.0],
                  boundaries={"z-min": "fixed"}, **parts)  # fmt: skip
 

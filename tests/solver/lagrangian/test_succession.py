@@ -5,7 +5,7 @@ from scenes import SOFT, box, scene
 from staged_bar import entered
 
 PAIR = {"soft": SOFT, "stiff": SOFT | {"young": 400.0, "density": 2.0}}
-INITIAL = {"configuration": "initial"}
+INITIAL = {"formulation": "total-lagrangian"}
 
 
 def parted(before, after, edge=7.03):
@@ -26,7 +26,7 @@ def parted(before, after, edge=7.03):
 @pytest.mark.parametrize("parts", [True, pytest.param(False, marks=pytest.mark.wide)])
 def test_bodies_that_part_or_join_keep_their_momentum(edge, parts):
     """It was off by a thousandth: slivers of cells were full ones while both were one body."""
-    laws = {"law": "tied"}, {"friction": 0.3}
+    laws = {"law": "tie"}, {"friction": 0.3}
     sim, before = entered(parted(*laws[:: 1 if parts else -1], edge))
     sim.advance()
     now = sim.diagnostics()

@@ -18,7 +18,7 @@ C = float(np.sqrt(100.0 * 0.7 / (1.3 * 0.4)))
 
 
 def initial(body):
-    return body | {"configuration": "initial"}
+    return body | {"formulation": "total-lagrangian"}
 
 
 def turning(region, about, rate, velocity=None):
@@ -163,7 +163,7 @@ def test_stages_book_what_they_change(shape, edge, first):
     """
     spin = {"rotation": {"about": [3.0, 1.0], "rate": 0.15}, "translation": [0.4, 0.8]}
     bodies = {
-        "a": box([0.0, 0.0], [2.0, 2.0], spin) | {"configuration": first},
+        "a": box([0.0, 0.0], [2.0, 2.0], spin) | {"formulation": first},
         "b": initial(box([2.0, 0.0], [4.5, 2.0], spin)),
         "c": initial(box([4.5, 0.0], [6.0, 2.0], spin)),
     }
@@ -175,7 +175,7 @@ def test_stages_book_what_they_change(shape, edge, first):
     friction = {"contact": [{"bodies": "all", "friction": 0.2}]}
     meets = shape == "gimp" or first != "initial"  # by surfaces: no wide shape
     if meets:
-        case["contact"] = [{"bodies": "all", "law": "tied"}]
+        case["contact"] = [{"bodies": "all", "law": "tie"}]
     case["time"]["stages"] = [
         {"name": "grip", "end": 0.8, "constraints": {"grip": held | {"velocity": [1.0, None]}}},
         {"name": "walls", "end": 1.2, "constraints": {"grip": None},
@@ -206,13 +206,13 @@ def test_a_run_resumes_after_a_body_has_been_removed_far_from_the_others(tmp_pat
     assert (whole.path / "history.csv").read_bytes() == lines
 
 
-@pytest.mark.parametrize("kind", ["slip", "fixed", "separating"])
+@pytest.mark.parametrize("kind", ["slip", "fixed", "unilateral"])
 @pytest.mark.parametrize("shape", ["fuzzy-constant", pytest.param("bspline-quadratic", marks=WIDE)])
 def test_a_mirror_books_what_it_turns_round(shape, kind):
     """A block that turns on a wall, under gravity; and lands on one that lets it go."""
     motion = {"rotation": {"about": [4.0, 1.0], "rate": 0.6}, "translation": [0.3, -1.0]}
-    low = 0.6 if kind == "separating" else 0.0
-    shape = "gimp" if kind == "separating" else shape  # what meets a wall has weights of cells
+    low = 0.6 if kind == "unilateral" else 0.0
+    shape = "gimp" if kind == "unilateral" else shape  # what meets a wall has weights of cells
     sim = start(scene(2, initial(box([2.0, low], [5.0, low + 2.0], motion)), cells=[8, 5],
                       shape=shape, wall="mirror", end=2.0, step={"courant": 0.3},
                       gravity=[0.2, -1.0], boundaries={"y-min": kind}))  # fmt: skip

@@ -28,13 +28,13 @@ def test_force_and_spring_swing_a_body():
             sim.advance()
             line = sim.diagnostics()
             if to:  # a spring that the steps do not resolve swings, and does no more
-                assert abs(line["tool.ball.displacement-x"]) < 0.01
+                assert abs(line["rigid.ball.displacement-x"]) < 0.01
                 continue
             for _ in range(100):
                 pull = 8.0 * min(sim.time / 0.2, 1.0)
                 v += 1e-4 * (pull / 4.0 - w * w * x)
                 x += 1e-4 * v
-            assert line["tool.ball.displacement-x"] == pytest.approx(x, abs=0.004)
+            assert line["rigid.ball.displacement-x"] == pytest.approx(x, abs=0.004)
     assert x == 0.001
 
 
@@ -44,7 +44,7 @@ def test_a_dashpot_slows_a_body():
     sim = start(case)
     while not sim.finished:
         sim.advance()
-    v = sim.diagnostics()["tool.ball.velocity-x"]
+    v = sim.diagnostics()["rigid.ball.velocity-x"]
     assert v == pytest.approx(exp(-2.0), rel=1e-3)
 
 

@@ -39,7 +39,7 @@ def held_block(shape, configuration, **motion):
         | (motion if motion and name == "left" else turning)
         for name, (low, high) in ends.items()
     }
-    body = box([2.0, 3.0], [6.0, 5.0]) | {"configuration": configuration}
+    body = box([2.0, 3.0], [6.0, 5.0]) | {"formulation": configuration}
     return scene(2, body, shape=shape, step=0.01, constraints=grips)
 
 
@@ -105,7 +105,7 @@ def test_a_disk_between_round_grips_is_as_stiff_as_it_is():
         "inner": {"body": "body", "region": hole, "rotation": {"about": c, "rate": 0.0}},
         "outer": {"body": "body", "region": outer, "rotation": {"about": c, "rate": rate}},
     }  # fmt: skip
-    body = {"material": "soft", "region": disk, "configuration": "initial"}
+    body = {"material": "soft", "region": disk, "formulation": "total-lagrangian"}
     sim = start(scene(2, body, cells=[20, 20], end=20.0, step={"courant": 0.5}, constraints=grips,
                       damping={"mass": 0.5}))  # fmt: skip
     while not sim.finished:

@@ -66,7 +66,7 @@ def test_momentum_grows_by_the_force_alone(configuration):
         boundaries={}, gravity=[0.0, 0.0], end=0.6,
     )  # fmt: skip
     case["bodies"]["body"] = box([2.1, 2.0], [8.0, 5.0], [2.0, 0.0]) | {
-        "configuration": configuration
+        "formulation": configuration
     }
     if configuration == "initial":
         case["materials"]["soft"] = {k: v for k, v in case["materials"]["soft"].items()
@@ -92,10 +92,10 @@ def test_momentum_grows_by_the_force_alone(configuration):
 @pytest.mark.parametrize("configuration", ["current", "initial"])
 def test_a_press_comes_to_rest_where_the_force_is_balanced(configuration):
     """A bar of 8 on a wall, of which 7 up to a vertex are strained, with a spring in parallel."""
-    body = box([0.0], [8.0]) | {"configuration": configuration}
+    body = box([0.0], [8.0]) | {"formulation": configuration}
     case = scene(
         1, body, cells=[14], end=0.5, boundaries={"x-min": "fixed"},
-        start={"settle": {"tolerance": 1e-5, "steps": 20000}},
+        start={"equilibrate": {"tolerance": 1e-5, "steps": 20000}},
         constraints={"press": press([7.5], [9.0], -0.5, spring={"stiffness": 100.0 / 7.0})},
     )  # fmt: skip
     if configuration == "initial":
@@ -161,7 +161,7 @@ def test_a_stage_ends_the_last_press(tmp_path):
         boundaries={"x-min": "fixed"}, escape={"x-max": "remove"}, output={"every": 0.1},
     )  # fmt: skip
     ended = {name: {key: None for key in case[name]}
-             for name in ("constraints", "tractions", "boundaries", "escape")}  # fmt: skip
+             for name in ("constraints", "tractions", "boundaries", "outflow")}  # fmt: skip
     free = {"name": "free", "end": 0.4, "damping": None, "gravity": None, **ended}
     staged = case | {"time": case["time"] | {"stages": [free]}}
     options = {"comm": Serial(), "quiet": True}

@@ -141,12 +141,12 @@ def test_faces_and_constraints_hold_mapped_velocities():
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"configuration": "initial"}, "is for the current configuration"),
+        ({"formulation": "total-lagrangian"}, "is for the current configuration"),
         ({"other": True}, "'body' is initial and 'other' current"),
     ],
 )
 def test_it_is_for_the_current_configuration(change, said):
-    body = box([1.0], [3.0]) | {"configuration": "initial"}
+    body = box([1.0], [3.0]) | {"formulation": "total-lagrangian"}
     bodies = {"body": body} | ({"other": box([4.0], [6.0])} if "other" in change else {})
     case = scene(1, bodies)
     case["method"]["stress"] = "average"

@@ -1,4 +1,4 @@
-"""Sinks: what comes into a region of `escape` is taken out, and its sums are booked.
+"""Sinks: what comes into a region of `outflow` is taken out, and its sums are booked.
 
 That the number of ranks and a resume change no bit of such a run: tests/proofs/test_ranks.py.
 """
@@ -42,7 +42,7 @@ def test_what_is_inside_when_a_step_ends_is_taken_out_and_booked(dimension):
     """Exactly these particles, in each step: the block flies as if nothing happened."""
     case = flying(dimension, escape={"drain": {"region": REGIONS[dimension]}})
     sim, free = start(case), start(flying(dimension))
-    region = sim.case.escape["drain"].region
+    region = sim.case.outflow["drain"].region
     names = ("mass", "momentum-x", "kinetic-energy")
     begun, gone, left = sums(sim.particles, sim.live()), np.zeros(3), set()
     while not sim.finished:
@@ -67,26 +67,26 @@ def test_stages_open_and_close_a_sink():
     """Closed, half of the stream has passed by its region."""
     case = flying(1, end=2.5)  # the block is at 7 to 9
     case["time"]["stages"] = [
-        {"name": "opened", "end": 2.52, "escape": {"drain": {"region": REGIONS[1]}}},
-        {"name": "closed", "end": 3.0, "escape": {"drain": None}},
+        {"name": "opened", "end": 2.52, "outflow": {"drain": {"region": REGIONS[1]}}},
+        {"name": "closed", "end": 3.0, "outflow": {"drain": None}},
     ]
     case["bodies"] = {"first": case["bodies"]["body"], "second": box([0.0], [1.0], [SPEED])}
     line = finish(start(case)).diagnostics()
     assert line["body.first.mass"] == 0.0 and line["body.second.mass"] == 1.0
-    assert line["escaped.mass"] == 2.0
-    assert line["escaped.momentum-x"] == pytest.approx(2.0 * SPEED, rel=1e-13)
+    assert line["outflow.mass"] == 2.0
+    assert line["outflow.momentum-x"] == pytest.approx(2.0 * SPEED, rel=1e-13)
 
 
 def test_bodies_in_the_initial_configuration_stay_what_they_are():
     """Of a pair only the one in the current configuration goes out."""
     bodies = {
-        "stays": box([2.0, 1.0], [4.0, 2.0], [SPEED, 0.0]) | {"configuration": "initial"},
+        "stays": box([2.0, 1.0], [4.0, 2.0], [SPEED, 0.0]) | {"formulation": "total-lagrangian"},
         "goes": box([2.0, 2.5], [4.0, 3.5], [SPEED, 0.0]),
     }
     case = flying(2, escape={"drain": {"region": REGIONS[2]}}, contact=[{"bodies": "all"}])
     line = finish(start(case | {"bodies": bodies})).diagnostics()
-    assert line["body.stays.mass"] == 2.0 and line["escaped.mass"] == 1.0
-    assert line["body.goes.mass"] + line["escaped.mass"] == pytest.approx(2.0, rel=1e-14)
+    assert line["body.stays.mass"] == 2.0 and line["outflow.mass"] == 1.0
+    assert line["body.goes.mass"] + line["outflow.mass"] == pytest.approx(2.0, rel=1e-14)
 
 
 def test_a_scene_without_sinks_has_none_and_the_log_names_those_that_there_are(tmp_path):
@@ -95,4 +95,4 @@ def test_a_scene_without_sinks_has_none_and_the_log_names_those_that_there_are(t
     run = pgimp.run(pgimp.load(case), Serial(), tmp_path / "out", quiet=True)
     assert "4 of 4 particles left through drain" in (run.path / "log.txt").read_text()
     resolved = pgimp.load(run.path / "case.yaml")
-    assert resolved.escape == run.case.escape
+    assert resolved.outflow == run.case.outflow

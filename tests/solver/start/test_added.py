@@ -199,7 +199,7 @@ def test_check_tells_what_comes(capsys):
 def test_what_cannot_come_is_told(change, words):
     case = bars(COMES | change)
     case["bodies"]["tool"] = {"rigid": {}, "region": {"box": {"min": [14.0], "max": [15.0]}}}
-    case["bodies"]["lasting"] = box([12.0], [13.0]) | {"configuration": "initial"}
+    case["bodies"]["lasting"] = box([12.0], [13.0]) | {"formulation": "total-lagrangian"}
     case["contact"] = [{"bodies": "all"}]
     with pytest.raises(CaseError) as error:
         pgimp.load(case)

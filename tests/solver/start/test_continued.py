@@ -110,7 +110,7 @@ def test_ids_are_of_the_bodies_that_go_on(tmp_path):
 
 def column(**parts):
     """A column on the floor, in the initial configuration, under its weight."""
-    body = box([0.0, 0.0], [1.0, 6.0]) | {"configuration": "initial"}
+    body = box([0.0, 0.0], [1.0, 6.0]) | {"formulation": "total-lagrangian"}
     walls = {"x-min": "slip", "x-max": "slip", "y-min": "slip"}
     return scene(2, body, cells=[1, 7], boundaries=walls, gravity=[0.0, -1.0], **parts)
 
@@ -150,14 +150,14 @@ def test_a_body_goes_over_to_the_current_configuration(tmp_path):
     folder = run_to(until(column(), 0.3), tmp_path / "initial")
     for kind in ("frames", "checkpoints"):
         case = going_on(until(column(), 0.1), last(folder, kind))
-        case["bodies"]["body"]["configuration"] = "current"
+        case["bodies"]["body"]["formulation"] = "current"
         sim = pgimp.Simulation(case, comm=Serial())
         frame = pgimp.open(folder).frames[-1]
         assert np.array_equal(columns(sim)["x"], frame["position"][:, :2])
         assert np.array_equal(columns(sim)["V"], frame["volume"])
         assert sim.diagnostics()["mass"] == 6.0
     now = run_to(case, tmp_path / "current")
-    case["bodies"]["body"] |= {"configuration": "initial"}
+    case["bodies"]["body"] |= {"formulation": "total-lagrangian"}
     case["bodies"]["body"]["region"]["points"]["file"] = last(now)
     with pytest.raises(CaseError, match="in the current configuration, and its vertices have no"):
         pgimp.Simulation(case, comm=Serial())
@@ -175,7 +175,7 @@ def test_every_law_of_solids_goes_on_in_the_initial_configuration(tmp_path):
     }
     bodies = {
         name: box([1.0 + 4.0 * i, 0.0], [3.0 + 4.0 * i, 4.0], [0.0, -0.5], name)
-        | {"configuration": "initial"}
+        | {"formulation": "total-lagrangian"}
         for i, name in enumerate(laws)
     }
     case = scene(

@@ -15,11 +15,11 @@ DAMPED = (None, {"mass": 1.5}, {"local": 0.2}, {"kinetic": True})
 
 def column(configuration, tolerance=1e-4, height=6, **parts):
     """A column of weight 6 on the floor, between smooth walls."""
-    body = box([0.0, 0.0], [1.0, height]) | {"configuration": configuration}
+    body = box([0.0, 0.0], [1.0, height]) | {"formulation": configuration}
     walls = {"x-min": "slip", "x-max": "slip", "y-min": "slip"}
     parts = {"end": 1.0, "step": {"courant": 0.3}} | parts
     return scene(2, body, cells=[1, 7], boundaries=walls, gravity=[0.0, -1.0],
-                 start={"settle": {"tolerance": tolerance}}, **parts)  # fmt: skip
+                 start={"equilibrate": {"tolerance": tolerance}}, **parts)  # fmt: skip
 
 
 def settled(case):
@@ -72,7 +72,7 @@ def test_a_body_that_only_tractions_hold_comes_to_rest():
     case = scene(2, box([2.0, 2.0], [6.0, 4.0]), cells=[8, 6], end=0.5, step={"courant": 0.3},
                  tractions={"right": pull | {"face": "x-max"},
                             "left": pull | {"face": "x-min", "traction": [-1.0, 0.0]}},
-                 start={"settle": {}})  # fmt: skip
+                 start={"equilibrate": {}})  # fmt: skip
     sim = settled(case)
     sigma = sim.particles.sigma[sim.live(), 0]
     assert sigma.mean() == pytest.approx(1.0, rel=1e-2)
@@ -88,13 +88,15 @@ def test_without_loads_there_is_nothing_to_settle():
 def test_no_rest_ends_the_run_with_what_to_do():
     case = column("current")
     case["start"]["settle"]["steps"] = 20
-    with pytest.raises(RunError, match=r"start\.settle: no rest after 20 steps: .* not 0\.0001"):
+    with pytest.raises(
+        RunError, match=r"start\.equilibrate: no rest after 20 steps: .* not 0\.0001"
+    ):
         settled(case)
 
 
 def test_what_falls_freely_has_no_rest():
     case = scene(1, box([1.0], [3.0]), gravity=[0.01], step={"courant": 0.3},
-                 start={"settle": {"steps": 40}})  # fmt: skip
+                 start={"equilibrate": {"steps": 40}})  # fmt: skip
     with pytest.raises(RunError, match=r"no rest after 40 steps: the unbalanced force is 0.5"):
         settled(case)
 

@@ -88,7 +88,7 @@ def shaken(case, modes):
 def bar(periods, cells=10, courant: float | str = 0.3, per_cell=2, configuration="initial",
         affine=True):  # fmt: skip
     """The case of a free bar, to a number of periods."""
-    body = box([2.0], [2.0 + cells]) | {"configuration": configuration}
+    body = box([2.0], [2.0 + cells]) | {"formulation": configuration}
     solid = {"model": "neo-hookean", "young": 100.0, "poisson": 0.3, "density": 1.0}
     case = scene(1, body, cells=[cells + 4], end=periods, step={"courant": courant},
                  per_cell=per_cell, materials={"soft": solid})  # fmt: skip

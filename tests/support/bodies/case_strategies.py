@@ -59,7 +59,7 @@ def cases(draw):
         "units": draw(TEXT),
         "dimensions": dimensions,
         "grid": {"size": size, "cell": cell},
-        "method": {"shape": "gimp", "particles_per_cell": [draw(st.integers(1, 9))] * dimensions},
+        "method": {"shape": "gimp", "particles-per-cell": [draw(st.integers(1, 9))] * dimensions},
         "time": {"end": steps * step, "step": draw(st.just(step) | st.just({"courant": 0.5}))},
         "materials": {
             (name := draw(NAME)): {
@@ -72,10 +72,10 @@ def cases(draw):
         "bodies": {draw(NAME): {"material": name, "region": region, "velocity": velocity}},
         "gravity": draw(st.none() | vector | st.just({"table": rows(draw, gentle)})),
         "boundaries": {
-            "x-max": draw(st.sampled_from(["fixed", "slip", "separating"])),
+            "x-max": draw(st.sampled_from(["fixed", "slip", "unilateral"])),
             "x-min": {"velocity": [draw(component) for _ in range(dimensions)]},
         },
-        "escape": {
+        "outflow": {
             face: draw(st.sampled_from(["stop", "remove"]))
             for face in ("y-min", "y-max", "z-min", "z-max")[: 2 * dimensions - 2]
             if draw(st.booleans())

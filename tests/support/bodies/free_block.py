@@ -11,7 +11,7 @@ def case(**parts):
     box = {"box": {"min": [1.0, 1.0], "max": [3.0, 3.0]}}
     return {
         "format": 1, "dimensions": 2, "grid": {"size": [4.0, 4.0], "cell": [1.0, 1.0]},
-        "method": {"shape": "gimp", "particles_per_cell": [2, 2]},
+        "method": {"shape": "gimp", "particles-per-cell": [2, 2]},
         "time": {"end": 0.1, "step": 0.01},
         "materials": {"m": {"model": "neo-hookean", "young": 100.0, "poisson": 0.3,
                             "density": 1.0}},

@@ -4,7 +4,7 @@ from scenes import SOFT, box, scene
 
 from pgimp.physics.columns import SURFACE
 
-EXACT = {"configuration": "initial", "surface": "exact"}
+EXACT = {"formulation": "total-lagrangian", "surface": "exact"}
 HARD = SOFT | {"young": 1000.0}
 
 

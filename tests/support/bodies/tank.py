@@ -7,7 +7,7 @@ from scenes import start
 #: A tank 8 cells wide, filled to 8 cells; sound at ten times sqrt(g depth).
 TANK = {
     "format": 1, "dimensions": 2, "grid": {"size": [8.0, 16.0], "cell": [1.0, 1.0]},
-    "method": {"shape": "gimp", "particles_per_cell": [2, 2]},
+    "method": {"shape": "gimp", "particles-per-cell": [2, 2]},
     "time": {"end": 1.0e3, "step": {"courant": 0.3}},
     "materials": {"water": {"model": "newtonian", "bulk": 800.0, "density": 1.0}},
     "bodies": {

@@ -17,7 +17,7 @@ COARSER = {
     "compaction": [
         "grid.cell=[2.5]",
         "grid.size=[55.0]",
-        "method.particles_per_cell=[1]",
+        "method.particles-per-cell=[1]",
         "time.step=2.5e-4",
         "time.end=0.5",
         "history.every={steps: 100}",

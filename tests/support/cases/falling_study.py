@@ -5,7 +5,7 @@ FALLING = f"""
 format: 1
 dimensions: 1
 grid: {{origin: [0.0], size: [12.0], cell: [1.0]}}
-method: {{shape: gimp, particles_per_cell: [2]}}
+method: {{shape: gimp, particles-per-cell: [2]}}
 time: {{end: {END}, step: 0.1}}
 materials: {{bar: {{model: linear-1d, young: 1.0, density: 1.0}}}}
 bodies: {{bar: {{material: bar, region: {{box: {{min: [7.0], max: [9.0]}}}}}}}}

@@ -14,13 +14,13 @@ def configured(case, configuration, *names):
     """The case with some bodies of a material, or all, in a configuration."""
     for name, body in case["bodies"].items():
         if "rigid" not in body and (name in names or not names):
-            body["configuration"] = configuration
+            body["formulation"] = configuration
     return case
 
 
 def momenta(line, name=None):
     """Momentum along x, y, z, and angular momentum about them, of a body or of all particles."""
-    of = f"tool.{name}." if name else ""
+    of = f"rigid.{name}." if name else ""
     columns = [f"{of}{what}-{a}" for what in ("momentum", "angular-momentum") for a in "xyz"]
     return np.array([line.get(column, 0.0) for column in columns])
 

@@ -12,10 +12,10 @@ def case(
         "dimensions": 2,
         "geometry": "axisymmetric",
         "grid": {"size": list(size), "cell": [h, h]},
-        "method": {"shape": shape, "particles_per_cell": [2, 2]},
+        "method": {"shape": shape, "particles-per-cell": [2, 2]},
         "time": {"end": end, "step": {"courant": 0.3}},
         "materials": {"m": material},
-        "bodies": {"b": {"material": "m", "region": region, "configuration": configuration}},
+        "bodies": {"b": {"material": "m", "region": region, "formulation": configuration}},
     } | more
 
 

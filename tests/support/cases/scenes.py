@@ -45,7 +45,7 @@ def scene(dimension, body, *, cells=None, cell=1.0, shape="gimp", per_cell=2, **
     time = {"end": parts.pop("end", 1.0), "step": parts.pop("step", 0.01)}
     method = {
         "shape": shape,
-        "particles_per_cell": [per_cell] * dimension if np.isscalar(per_cell) else per_cell,
+        "particles-per-cell": [per_cell] * dimension if np.isscalar(per_cell) else per_cell,
         **{name: parts.pop(name) for name in ("volume", "size", "wall") if name in parts},
     }
     return {

@@ -11,7 +11,7 @@ format: 1
 title: Two soft blocks
 dimensions: 2
 grid: {origin: [0.0, 0.0], size: [12.0, 6.0], cell: [1.0, 1.0]}
-method: {shape: gimp, particles_per_cell: [2, 2]}
+method: {shape: gimp, particles-per-cell: [2, 2]}
 time: {end: 2.0, step: 0.01}
 materials:
   soft: {model: neo-hookean, young: 100.0, poisson: 0.3, density: 1.0}

@@ -55,7 +55,7 @@ def each():
 def hold(now):
     """Stop at the force; note what was felt every time, and a gauge every third time."""
     felt = now.state["felt"]
-    row = [now.time, now.history["tool.ram.force-x"], now.history["momentum-x"], 0.0, 0.0]
+    row = [now.time, now.history["rigid.ram.force-x"], now.history["momentum-x"], 0.0, 0.0]
     if now.step % 12 == 0:
         row[3:] = now.history["gauge.top.height"], now.history["gauge.half.force-x"]
     now.state["felt"] = np.concatenate([felt, [row]])

@@ -65,7 +65,7 @@ def entry(name: str, particles_per_cell: Sequence[int], **parts: Any) -> Any:
     if name.endswith("-fixed"):
         name, parts = name.removesuffix("-fixed"), {"size": "fixed", **parts}
     return SHAPES[name].model_validate(
-        {"shape": name, "particles_per_cell": list(particles_per_cell), **parts}
+        {"shape": name, "particles-per-cell": list(particles_per_cell), **parts}
     )
 
 

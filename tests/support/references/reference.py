@@ -51,7 +51,7 @@ class Reference(ReferenceWeights):
         -2 z/(h - z) of sum m S, on and beyond the wall. w is the distance from the wall up to 1.25
         cells, or a quarter of what is between two walls, and falls to zero at twice that.
         """
-        near = [(axis, side) for kind, axis, side, _, _ in faces if kind == "separating"]
+        near = [(axis, side) for kind, axis, side, _, _ in faces if kind == "unilateral"]
         frame = self.frame
         low = np.array(frame.origin)
         high = low + np.array(frame.cells) * frame.cell
@@ -72,7 +72,7 @@ class Reference(ReferenceWeights):
         """How far bodies are from each face that lets go, (vertices), by its axis and side."""
         frame, found = self.frame, {}
         for kind, axis, side, _, _ in faces:
-            if kind != "separating":
+            if kind != "unilateral":
                 continue
             face = frame.ghost + (frame.cells[axis] if side > 0 else 0)
             m, lack = (np.take(field, [face], axis) for field in (self.m, -total))
@@ -117,7 +117,7 @@ class Reference(ReferenceWeights):
             )
             behind = behind & (self.m > 0)
             before = self.v.copy(), self.a.copy()
-            if kind == "separating":  # first what particles bring, then that after forces
+            if kind == "unilateral":  # first what particles bring, then that after forces
                 most = closing[axis, side]
                 brought = side * (self.v - dt * self.a)[..., axis]
                 late = np.minimum(brought, most) + side * dt * self.a[..., axis]
@@ -129,7 +129,7 @@ class Reference(ReferenceWeights):
                 v, a = 0.0, 0.0
                 if kind == "slip":
                     where &= d == axis
-                elif kind == "separating":
+                elif kind == "unilateral":
                     where[:] = False
                 elif kind == "velocity":
                     where &= velocity[d] is not None

@@ -28,7 +28,7 @@ PLATE = """
 format: 1
 dimensions: 2
 grid: {size: [10.0, 4.0], cell: [0.5, 0.5]}
-method: {shape: gimp, particles_per_cell: [2, 2]}
+method: {shape: gimp, particles-per-cell: [2, 2]}
 time: {end: 1.0, step: {courant: 0.3}}
 materials: {m: {model: hooke, young: 1.0e+6, poisson: 0.0, density: 1000.0}}
 bodies: {beam: {material: m, region: {box: {min: [0.0, 1.0], max: [8.0, 2.0]}}}}
@@ -51,7 +51,7 @@ format: 1
 units: {units}
 dimensions: 1
 grid: {{size: [{twice}], cell: [{cell}]}}
-method: {{shape: gimp, particles_per_cell: [2]}}
+method: {{shape: gimp, particles-per-cell: [2]}}
 time: {{end: {end}, step: {{courant: 0.3}}}}
 materials: {{steel: {{model: linear-1d, young: {young}, density: {density}}}}}
 bodies: {{block: {{material: steel, region: {{box: {{min: [0.0], max: [{side}]}}}}}}}}

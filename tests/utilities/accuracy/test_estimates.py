@@ -77,7 +77,7 @@ def test_columns_that_are_means_and_columns_without_errors():
     lines["time"], lines["mass"] = [0.0, 1.0, 1.0], [1.0, 2.0, 3.0]
     assert curve_of(lines, "reaction.x-min-x").mean and not curve_of(lines, "mass").mean
     np.testing.assert_array_equal(curve_of(lines, "mass").values, [1.0, 3.0])
-    assert not any(map(has_error, ("time", "step", "volume", "tool.a.inside")))
+    assert not any(map(has_error, ("time", "step", "volume", "rigid.a.penetrating-particles")))
     assert has_error("volume.a") and has_error("contact.a+b.area")
 
 

@@ -38,7 +38,7 @@ def flowing(**parts):
 
 def mixed(**parts):
     """A body of each configuration."""
-    initial = box([1.0], [3.0]) | {"configuration": "initial"}
+    initial = box([1.0], [3.0]) | {"formulation": "total-lagrangian"}
     return scene(1, {"a": initial, "b": box([4.0], [6.0])}, materials={"soft": BAR}, step=0.001,
                  contact=[{"bodies": "all"}], **parts)  # fmt: skip
 
@@ -91,7 +91,7 @@ def test_it_is_printed(capsys):
 
 def test_what_settles_or_is_watched_is_said(capsys):
     """A start that comes to rest has steps of its own; `auto` a guard, between steps."""
-    case = bar(start={"settle": {}})
+    case = bar(start={"equilibrate": {}})
     for name in ("constraints", "damping"):
         case.pop(name)
     case["time"]["step"] = {"courant": "auto"}

@@ -28,7 +28,7 @@ def squeezed(**more):
             "format": 1,
             "dimensions": 2,
             "grid": {"size": [1.0, 2.5], "cell": [0.0625, 0.0625]},
-            "method": {"shape": "gimp", "particles_per_cell": [2, 2]},
+            "method": {"shape": "gimp", "particles-per-cell": [2, 2]},
             "time": {"end": 1.0, "step": {"courant": 0.3}},
             "materials": {
                 "m": {"model": "neo-hookean", "young": 1e5, "poisson": 0.3, "density": 1000.0}
@@ -106,7 +106,7 @@ HALF = {
                 "velocity": [0.0, -4.0],
             }
         },
-        "boundaries": {"x-min": "slip", "x-max": "slip", "y-min": "separating"},
+        "boundaries": {"x-min": "slip", "x-max": "slip", "y-min": "unilateral"},
         "grid": {"size": [1.0, 4.0], "cell": [0.0625, 0.0625]},
         "time": {"end": 0.5, "step": {"courant": 0.3}},
     },

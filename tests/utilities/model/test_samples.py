@@ -131,7 +131,7 @@ def test_samples_of_a_case_whose_walls_let_the_material_out_are_timed():
 
 def test_particles_of_lattice_cells_stay_there():
     """The step of a case whose bodies go cell by cell is timed as that, several times faster."""
-    block = box([1.0, 1.0], [5.0, 3.0]) | {"configuration": "initial"}
+    block = box([1.0, 1.0], [5.0, 3.0]) | {"formulation": "total-lagrangian"}
     case = Case.model_validate(scene(2, block, step=0.001))
     (sample,) = samples_of(case, 32, [100])
     assert sample.sim.rank.by_cells_alone() and sample.sim.rank.count > 64

@@ -41,7 +41,7 @@ def runs(request, tmp_path_factory):
     }
     bar = {"constraints": constraints, "probes": probes, "history": {"every": {"steps": 2}}}
     plates = {"low": box([1, 1], [4, 3], [0.3, -0.2]), "high": box([4.5, 4], [7, 7])}
-    falling = {"body": plates, "gravity": [0, -9], "boundaries": {"y-min": "separating"}}
+    falling = {"body": plates, "gravity": [0, -9], "boundaries": {"y-min": "unilateral"}}
     thick = box([2, 2, 2], [6, 5, 4], [0.2, 0.1, 0.3])
     known = {
         "bar": (1, {"body": box([2], [6], [0.5]), "units": "mm, t, s", **bar}),

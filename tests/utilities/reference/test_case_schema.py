@@ -61,7 +61,7 @@ def test_every_column_of_the_history_is_written(dimensions):
             "format": 1,
             "dimensions": dimensions,
             "grid": {"size": vector(4), "cell": vector(1)},
-            "method": {"shape": "mpm", "particles_per_cell": vector(1)},
+            "method": {"shape": "mpm", "particles-per-cell": vector(1)},
             "time": {
                 "end": 1,
                 "step": {"courant": 0.3},
@@ -75,8 +75,8 @@ def test_every_column_of_the_history_is_written(dimensions):
                 "aba": {"rigid": {"density": 1}, "region": box(2)},
                 "baa": {"rigid": {}, "region": box(3)},
             },
-            "boundaries": {"x-min": "separating"},
-            "escape": {"x-max": "remove"},
+            "boundaries": {"x-min": "unilateral"},
+            "outflow": {"x-max": "remove"},
             "constraints": {
                 "b": {
                     "body": "b",
@@ -115,7 +115,7 @@ def test_every_column_of_the_history_is_written(dimensions):
     assert all(any(part in name for part in others) for name in unwritten)
 
 
-_NAMED = {"materials": "NAME", "bodies": "NAME", "boundaries": "FACE", "escape": "NAME"}
+_NAMED = {"materials": "NAME", "bodies": "NAME", "boundaries": "FACE", "outflow": "NAME"}
 
 
 def keys(data, path=""):

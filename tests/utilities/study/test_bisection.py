@@ -32,10 +32,10 @@ def block(**parts):
     walls = {"x-min": "slip", "x-max": "slip", "y-min": "slip"}
     case = scene(2, box([0.0, 0.0], [2.0, 2.0], material="clay"), cells=[8, 3], end=0.1,
                  step={"courant": 0.3}, gravity=[0.0, -0.5], materials={"clay": CLAY},
-                 boundaries=walls, start={"settle": {"tolerance": 1e-3}})  # fmt: skip
+                 boundaries=walls, start={"equilibrate": {"tolerance": 1e-3}})  # fmt: skip
     case["time"]["stages"] = [
         {"name": "weak", "strength": {"factor": 1.0},
-         "settle": {"tolerance": 1e-3, "steps": 1000}}
+         "equilibrate": {"tolerance": 1e-3, "steps": 1000}}
     ]  # fmt: skip
     return case | parts
 
@@ -43,7 +43,11 @@ def block(**parts):
 def written(folder, case=None, **entries):
     """A study file."""
     (folder / "case.yaml").write_text(json.dumps(case or block()))
-    entry = {"key": "time.stages.0.strength.factor", "between": [1.0, 3.0], "tolerance": 0.3}
+    entry = {
+        "key": "time.stages.0.strength-reduction.factor",
+        "between": [1.0, 3.0],
+        "tolerance": 0.3,
+    }
     study = {"format": 1, "case": "case.yaml", "bisect": entry} | entries
     path = folder / "safety.yaml"
     path.write_text(json.dumps(study))
@@ -93,14 +97,18 @@ def test_a_study_finds_its_result_and_repeats_nothing(tmp_path, monkeypatch, cap
     monkeypatch.chdir(tmp_path)
     case = block()
     # A vertical cut on a smooth floor: its foot yields at c = rho g H/2, a wedge slides at a half.
-    entry = {"key": "time.stages.0.strength.factor", "between": [1.0, 9.0], "tolerance": 0.3}
+    entry = {
+        "key": "time.stages.0.strength-reduction.factor",
+        "between": [1.0, 9.0],
+        "tolerance": 0.3,
+    }
     path = written(tmp_path, case, bisect=entry | {"reference": 4.0})
     assert main(["study", str(path)]) == 0
     said = capsys.readouterr().out
     assert "1 of 1 bisections have a result" in said and "(from before)" not in said
     folder = tmp_path / "safety.study.out"
     rows = [*csv.DictReader((folder / "study.csv").open())]
-    values = {float(row["time.stages.0.strength.factor"]): row["state"] for row in rows}
+    values = {float(row["time.stages.0.strength-reduction.factor"]): row["state"] for row in rows}
     assert values[1.0] == "at rest" and values[9.0] == "no rest"
     assert set(values.values()) <= {"at rest", "no rest", "slid"}
     rests = max(value for value, state in values.items() if state == "at rest")
@@ -125,8 +133,8 @@ def test_what_slides_and_rests_as_a_heap_is_not_at_rest(tmp_path, monkeypatch, c
     """The cut of half its height c = rho g H/2 slides on its smooth floor until it is low."""
     monkeypatch.chdir(tmp_path)
     case = block()
-    case["time"]["stages"][0]["settle"]["steps"] = 3000
-    key = "time.stages.0.strength.factor"
+    case["time"]["stages"][0]["equilibrate"]["steps"] = 3000
+    key = "time.stages.0.strength-reduction.factor"
     entry = {"key": key, "between": [4.0, 5.0], "tolerance": 1.0}
     path = written(tmp_path, case, bisect=entry)
     assert main(["study", str(path)]) == 0
@@ -154,7 +162,7 @@ def test_what_slides_and_rests_as_a_heap_is_not_at_rest(tmp_path, monkeypatch, c
     written(tmp_path, case, bisect=entry | {"slide": 1e-3})
     assert main(["study", str(path)]) == 1
     said = capsys.readouterr().out
-    assert "slides before it rests" in said and "longer bisect.slide" in said
+    assert "slides before it rests" in said and "longer bisect.failure-displacement" in said
 
 
 def test_displacements_are_those_of_the_particles_of_both_frames():
@@ -174,12 +182,12 @@ def test_displacements_are_those_of_the_particles_of_both_frames():
 
 @pytest.mark.parametrize(
     ("key", "stages"),
-    [("gravity", [1, 3]), ("time.stages.0.strength.factor", [1, 3]),
-     ("time.stages.1.end", [3]), ("time.stages.2.strength.factor", [3])],
+    [("gravity", [1, 3]), ("time.stages.0.strength-reduction.factor", [1, 3]),
+     ("time.stages.1.end", [3]), ("time.stages.2.strength-reduction.factor", [3])],
 )  # fmt: skip
 def test_stages_that_the_key_changes_count(key, stages):
     case = block()
-    case["time"]["stages"] += [{"name": "wait", "end": 0.2}, {"name": "rest", "settle": {}}]
+    case["time"]["stages"] += [{"name": "wait", "end": 0.2}, {"name": "rest", "equilibrate": {}}]
     entry = Bisection(key=key, between=(1.0, 2.0))
     assert sliding.watched(entry, load(case)) == stages
     assert sliding.unwatched(entry, load(case)) == (key == "gravity")
@@ -198,7 +206,7 @@ def test_a_case_at_rest_before_time_zero_only_may_slide_unseen(tmp_path):
         bracket = Bracket(plan.bisected[0])
         text = brackets.as_markdown(plan, [bracket], plan.study.bisect)
         assert ("not before time 0" in text) == unseen
-    with pytest.raises(CaseError, match=r"bisect\.slide: is for a stage with settle"):
+    with pytest.raises(CaseError, match=r"bisect\.slide: is for a stage with `equilibrate`"):
         read_plan(written(tmp_path, case, bisect=entry | {"slide": 0.1}))
 
 
@@ -209,11 +217,14 @@ def test_a_case_at_rest_before_time_zero_only_may_slide_unseen(tmp_path):
         ({"bisect": None}, "sweep: missing"),
         ({"bisect": {"key": "gravity..x", "between": [0, 1]}}, "expected keys joined by dots"),
         ({"bisect": {"key": "gravity", "between": [1, 1]}}, "expected two different numbers"),
-        ({"bisect": {"key": "time.stages.3.strength.factor", "between": [1.0, 2.0]}}, "stages"),
+        (
+            {"bisect": {"key": "time.stages.3.strength-reduction.factor", "between": [1.0, 2.0]}},
+            "stages",
+        ),
         ({"bisect": {"key": "gravity", "between": [0, 1], "slide": 0.0}}, "slide: must be above 0"),
         ({"bisect": {"key": "gravity", "between": [0, 1], "slide": "no"}}, "slide"),
         (
-            {"bisect": {"key": "time.stages.0.strength.factor", "between": [-1.0, 2.0]}},
+            {"bisect": {"key": "time.stages.0.strength-reduction.factor", "between": [-1.0, 2.0]}},
             "strength.factor: must be above 0",
         ),
     ],
@@ -226,7 +237,7 @@ def test_wrong_bisections_are_refused(tmp_path, entries, text):
 
 def test_a_study_may_set_what_the_key_is_in(tmp_path):
     """Each run has its own copy of it."""
-    stages = [{"name": "weak", "strength": {"factor": 1.0}, "settle": {}}]
+    stages = [{"name": "weak", "strength": {"factor": 1.0}, "equilibrate": {}}]
     plan = read_plan(written(tmp_path, set={"time.stages": stages}))
     for value in (1.5, 2.0):
         run = plan.bisected[0].planned(value)
@@ -246,7 +257,7 @@ def test_the_study_of_the_page_is_one(tmp_path):
 def test_a_case_without_rest_is_refused(tmp_path):
     case = block()
     del case["start"]
-    case["time"]["stages"][0].pop("settle")
+    case["time"]["stages"][0].pop("equilibrate")
     case["time"]["stages"][0]["end"] = 0.2
     with pytest.raises(CaseError, match="nothing that comes to rest"):
         read_plan(written(tmp_path, case))

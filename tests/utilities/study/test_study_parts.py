@@ -45,7 +45,7 @@ def test_entries_are_combined_and_the_keys_of_one_go_together():
 
 
 def test_names_are_given_or_tell_the_runs_apart_by_little():
-    whole = {"shape": "gimp", "particles_per_cell": [2], "volume": "tracked"}
+    whole = {"shape": "gimp", "particles-per-cell": [2], "volume": "tracked"}
     fuzzy = [
         {"shape": "fuzzy-nearest", "size": "fixed", "wall": "mirror"},
         {"shape": "fuzzy-nearest", "size": "tracked", "wall": "mirror"},
@@ -101,8 +101,8 @@ def test_the_case_that_is_checked_is_the_one_that_runs(tmp_path):
     """Read with the options of its command line, the case is the one that was checked."""
     text = HEAD + (
         "set: {output.every: null, bodies.bar.velocity: [-0.0], title: 'a=b, \"c\": [d] # e'}\n"
-        "sweep:\n  - method: [{shape: mpm, particles_per_cell: [1]},\n"
-        "             {shape: gimp, particles_per_cell: [3], volume: initial}]\n"
+        "sweep:\n  - method: [{shape: mpm, particles-per-cell: [1]},\n"
+        "             {shape: gimp, particles-per-cell: [3], volume: initial}]\n"
         "  - {gravity: [{table: [[0.0, [1.0e-7]], [1, [3]]]}, null]}\n"
     )
     runs = read_plan(put(tmp_path, text)).runs

@@ -78,12 +78,13 @@ def of_bodies(words: str, key: str, has: Callable[[Any, Any], Any]) -> Feature:
 def of_key(words: str, path: str, has: Callable[[Any], Any], axis: str = "") -> Feature:
     """Feature of a part of the case, whose name begins the `path`."""
     keys = path.split(".")
+    part = keys[0].replace("-", "_")
 
     def find(**parts: Any) -> Iterator[Place]:
-        if has(value := parts[keys[0]]):
+        if has(value := parts[part]):
             yield Place((*keys,), getattr(value, "name", f"{value}"), axis=axis)
 
-    return Feature(words, _signed(find, keys[:1]))
+    return Feature(words, _signed(find, [part]))
 
 
 def _signed(find: Callable[..., Iterator[Place]], names: list[str]) -> Callable[..., Any]:

@@ -15,7 +15,7 @@ from pgimp.schema.tables import entries_of
 
 
 def _initial(body: Any) -> bool:
-    return bool(body.configuration == "initial")
+    return bool(body.formulation == "total-lagrangian")
 
 
 def some_initial(bodies: Any) -> list[str]:
@@ -49,14 +49,14 @@ no_boxes = of_key(
 of_points = of_key("points (`mpm`)", "method.shape", lambda method: method.is_point)
 not_separable = of_key("`cpdi-corners`", "method.shape", lambda method: not method.separable)
 initial_volume = of_key("`volume: initial`", "method.volume", lambda method: not method.tracked)
-mean = of_key("mean dilatation", "method.volumetric", lambda method: method.volumetric == "mean")
+mean = of_key("mean dilatation", "method.volumetric", lambda method: method.volumetric == "b-bar")
 ordered = of_key(
     "`stress: average` and `last-mapped`", "method.stress", lambda method: method.stress != "last"
 )
 one_particle = Feature(
     "one particle along two or three directions of a cell",
     lambda method: (
-        Place(("method", "particles_per_cell"), f"{once}")
+        Place(("method", "particles-per-cell"), f"{once}")
         for once in [list(method.particles_per_cell).count(1)]
         if once > 1
     ),
@@ -64,9 +64,7 @@ one_particle = Feature(
 
 # Bodies of a material.
 beyond_cells = of_key("tents, B-splines", "method.shape", lambda method: not method.in_cell)
-initial = of_bodies(
-    "bodies in the initial configuration", "configuration", lambda b, _: _initial(b)
-)
+initial = of_bodies("bodies in the initial configuration", "formulation", lambda b, _: _initial(b))
 averaged = Feature(
     "averaged mass",
     lambda bodies, method: (
@@ -77,12 +75,12 @@ averaged = Feature(
 )
 initial_on_lattice = of_bodies(
     "bodies in the initial configuration, on the lattice",
-    "configuration",
+    "formulation",
     lambda body, _: _initial(body) and not isinstance(body.region, Points),
 )
 initial_with_memory = of_bodies(
     "bodies in the initial configuration whose law cannot begin with a stress",
-    "configuration",
+    "formulation",
     lambda body, law: _initial(body) and not (law.CARRIES_STRESS and law.CARRIES_PRESSURE),
 )
 initial_not_uniform = of_bodies(
@@ -100,12 +98,12 @@ whole_beside_current = Feature(
     ),
 )
 in_current = of_bodies(
-    "bodies in the current configuration", "configuration", lambda b, _: not _initial(b)
+    "bodies in the current configuration", "formulation", lambda b, _: not _initial(b)
 )
 all_initial = Feature(
     "all bodies in the initial configuration",
     lambda bodies: (
-        Place(("bodies", name, "configuration"), name)
+        Place(("bodies", name, "formulation"), name)
         for name in some_initial(bodies)[:1]
         if len(some_initial(bodies)) == len(bodies)
     ),
@@ -113,7 +111,9 @@ all_initial = Feature(
 mixed = Feature(
     "bodies of both configurations",
     lambda bodies: (
-        Place(("bodies", name, "configuration"), f"'{name}' is initial and '{other}' current")
+        Place(
+            ("bodies", name, "formulation"), f"'{name}' is total Lagrangian and '{other}' updated"
+        )
         for name in some_initial(bodies)[:1]
         for other in [one for one in bodies if not _initial(bodies[one])][:1]
     ),
@@ -186,7 +186,7 @@ def _meetings(bodies: Any, rigid_bodies: Any, boundaries: Any, contact: Any) -> 
         (contact, "contact"),
         (rigid_bodies, f"contact with the rigid body '{next(iter(rigid_bodies), '')}'"),
         (0 < len(some) < len(bodies), "contact of bodies of both configurations"),
-        (walls, "contact with a separating wall in the initial configuration"),
+        (walls, "contact with a unilateral wall in the initial configuration"),
     ):
         if there:
             yield Place(("contact",), text)
@@ -195,7 +195,7 @@ def _meetings(bodies: Any, rigid_bodies: Any, boundaries: Any, contact: Any) -> 
 
 meetings = Feature("contact, also with rigid bodies and between configurations", _meetings)
 meetings_by_surfaces = Feature(
-    "contact, rigid bodies, separating walls, if all bodies are in the initial configuration",
+    "contact, rigid bodies, unilateral walls, if all bodies are in the initial configuration",
     lambda bodies, rigid_bodies, boundaries, contact: (
         place
         for place in _meetings(bodies, rigid_bodies, boundaries, contact)

@@ -7,8 +7,8 @@ from typing import Any
 
 from pgimp.case.checks.exclusions.feature import Feature, Place, named, of_key
 from pgimp.case.checks.exclusions.features import some_initial
-from pgimp.case.escape import Sink
 from pgimp.case.gauges import LevelGauge, WallGauge
+from pgimp.case.outflow import Sink
 from pgimp.geometry.regions import Points
 from pgimp.physics.boundaries.slip import Slip
 from pgimp.physics.derived import RECOVERED
@@ -25,7 +25,7 @@ absorbing = named("absorbing faces", "boundaries", has=lambda entry: entry.absor
 periodic = named("periodic faces", "boundaries", has=lambda entry: entry.joins)
 conditions = named("faces with a condition", "boundaries")
 holding = named(
-    "faces but separating ones that let go",
+    "faces but unilateral ones that let go",
     "boundaries",
     has=lambda entry: (entry.approaches or entry.releases) and not hasattr(entry, "friction"),
 )
@@ -38,7 +38,7 @@ on_axis = Feature(
     ),
 )
 met_by_initial = Feature(
-    "separating faces and bodies in the initial configuration",
+    "unilateral faces and bodies in the initial configuration",
     lambda boundaries, bodies: (
         Place(("boundaries", face), name, face)
         for face, entry in boundaries.items()
@@ -46,18 +46,18 @@ met_by_initial = Feature(
         if entry.approaches
     ),
 )
-outlet = named("`escape` at a face", "escape", has=lambda action: not isinstance(action, Sink))
-escape = named("`escape`", "escape")
+outlet = named("`outflow` at a face", "outflow", has=lambda action: not isinstance(action, Sink))
+outflow = named("`outflow`", "outflow")
 
 # Loads.
 body_force = Feature(
     "body forces of the package",
     lambda body_force: (
-        Place(("body_force", name_of(body_force, BODY_FORCES)))
+        Place(("body-force", name_of(body_force, BODY_FORCES)))
         for _ in range(body_force is not None and not isinstance(body_force, FunctionEntry))
     ),
 )
-any_body_force = of_key("body forces", "body_force", lambda body_force: body_force is not None)
+any_body_force = of_key("body forces", "body-force", lambda body_force: body_force is not None)
 tractions = named("tractions", "tractions", "body", owner=lambda entry: entry.body)
 region_tractions = named(
     "tractions in a region",
@@ -139,10 +139,10 @@ damping = of_key("damping", "damping", lambda damping: damping is not None)
 local_damping = of_key("local damping", "damping.local", lambda each: each and each.local)
 mass_scaling = of_key("mass-scaling", "time.mass-scaling", lambda time: time.mass_scaling != 1.0)
 settling = Feature(
-    "`settle`",
+    "`equilibrate`",
     lambda start, began: (
-        Place(("start", "settle"), f"t = {began:.15g}" if began else "time 0")
-        for _ in range(start.settle is not None)
+        Place(("start", "equilibrate"), f"t = {began:.15g}" if began else "time 0")
+        for _ in range(start.equilibrate is not None)
     ),
 )
 

@@ -31,7 +31,7 @@ RUNS = (
                 "a rigid one moves as its key `rigid` says"),
             (g.constraints, "a constraint holds parts of a body of a material",
                 "give a rigid one its motion by its key `rigid`"),
-            (g.probes, "none can be followed", "history.csv has its motion, tool.{a.name}"),
+            (g.probes, "none can be followed", "history.csv has its motion, rigid.{a.name}"),
         )),
     Exclusion(g.face_tractions, f.no_box,
         "the region of '{a.name}' is a {b.name}, which has no such faces",
@@ -66,7 +66,7 @@ RUNS = (
             (f.free_rigid, "'{b.name}' moves freely, by inertia", "give it a motion"),
             (g.absorbing, "waves that {b.name} absorbs have another speed", "hold the face"),
             (g.entering, "inflow would not be what it is", "leave one of them out"),
-            (g.any_body_force, "body_force would not be what it is", "leave one of them out"),
+            (g.any_body_force, "body-force would not be what it is", "leave one of them out"),
             (g.exact, "exact would not be what it is", "leave one of them out"),
         )),
     # The start, and stages.
@@ -96,7 +96,8 @@ RUNS = (
         "let it wait where it meets nothing, and move it by a table of velocities", "owner"),
     Exclusion(g.added, f.initial,
         "'{a.owner}' is in the initial configuration, whose grid belongs to all of its bodies as "
-        "they are at the start", "a body that comes takes configuration: current", "owner"),
+        "they are at the start", "a body that comes takes formulation: updated-lagrangian",
+        "owner"),
     Exclusion(g.added, f.points,
         "the particles of '{a.owner}' are from a file, and come at the start only",
         "give the body a region of another kind", "owner"),

@@ -23,7 +23,7 @@ SCENES = (
     Exclusion(g.body_force, f.axisymmetric, "is not known in axisymmetry", "leave it out"),
     Exclusion(g.packaged_exact, f.axisymmetric, "is not known in axisymmetry", "leave it out"),
     Exclusion(f.mixed, f.axisymmetric, "in axisymmetry all bodies have the same, but {a.name}",
-        "take initial, or current, for all"),
+        "take total-lagrangian, or updated-lagrangian, for all"),
     # What keeps a flow's volume (`kernels/flows/filling.py`) divides the volumes summed at a vertex
     # by a cell of the plane: of rings they are 2 pi r times as great. Its shift is along gradients
     # without the hoop, and would move rings across the axis.
@@ -77,12 +77,12 @@ SCENES = (
         "{a.name} is for bodies of one configuration, but {b.name}:", "take cpdi"),
     Exclusion(f.initial, f.liquid,
         "'{b.name}' flows, and keeps no deformation; the initial configuration is for solids:",
-        "take current", "owner"),
+        "take updated-lagrangian", "owner"),
     Exclusion(g.holding, f.initial,
         "holds what comes against it; of bodies in the initial configuration, as '{b.name}', only "
-        "separating does:",
-        "take that, fixed, slip or {{velocity: ..}}, or configuration: current"),
-    Exclusion(g.escape, f.all_initial,
+        "unilateral does:",
+        "take that, fixed, slip or {{velocity: ..}}, or formulation: updated-lagrangian"),
+    Exclusion(g.outflow, f.all_initial,
         "bodies in the initial configuration, as '{b.name}', may leave the domain, and stay what "
         "they are", "leave it out"),
     Exclusion(f.initial_volume, f.initial,
@@ -96,11 +96,12 @@ SCENES = (
         "bodies in the initial configuration, as '{b.name}', meet {a.name} where they are, and not "
         "on their grid", "history.csv has the force, reaction.{a.name}", "owner"),
     Exclusion(f.initial_with_memory, g.stressed,
-        "initial begins undeformed, and the stress of '{a.name}' follows from the deformation:",
-        "take current, or hooke, or settle in place of start.stress", "owner"),
+        "total-lagrangian begins undeformed, and the stress of '{a.name}' follows from the "
+        "deformation:",
+        "take updated-lagrangian, or hooke, or equilibrate in place of start.stress", "owner"),
     Exclusion(f.initial, g.entering,
         "the grid of the initial configuration moves with the body as it was at the start, and "
-        "nothing can be added to it", "what enters takes configuration: current", "owner"),
+        "nothing can be added to it", "what enters takes formulation: updated-lagrangian", "owner"),
     Exclusion(g.recovered, f.in_current,
         "is for bodies in the initial configuration, whose particles keep their neighbours, but "
         "'{b.name}' is in the current one", "take stress"),
@@ -125,10 +126,10 @@ SCENES = (
     # Periodic faces.
     Exclusion(f.mixed, g.periodic,
         _PERIODIC + "across which only bodies of one configuration meet; {a.name}",
-        "give all bodies the same, configuration: current or initial"),
+        "give all bodies the same, formulation: updated-lagrangian or total-lagrangian"),
     Exclusion(f.initial_not_uniform, g.periodic,
         _PERIODIC + "where the vertices of bodies in the initial configuration begin at one "
-        "velocity, [..]", "take configuration: current"),
+        "velocity, [..]", "take formulation: updated-lagrangian"),
     Exclusion(g.profiles, g.periodic, _PERIODIC + "where this coordinate would jump",
         "take a direction along these faces, or a longer domain without periodic faces", "axis"),
     Exclusion(g.at_ends, g.periodic, "{a.name} is on a periodic face, behind which it may go on",

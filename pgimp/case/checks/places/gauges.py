@@ -56,7 +56,7 @@ def _bodies(
         yield Problem((*path, "bodies"), text)
     for i, body in enumerate(entry.bodies or ()):
         if isinstance(every_body.get(body), RigidBody):
-            text = f"'{body}' is rigid, and has no stress: history.csv has its force, tool.{body}"
+            text = f"'{body}' is rigid, and has no stress: history.csv has its force, rigid.{body}"
             yield Problem((*path, "bodies", i), text)
         elif body not in every_body and body not in named:
             yield Problem((*path, "bodies", i), unknown("body", body, named))

@@ -12,11 +12,11 @@ from pgimp.kernels.data.particles import FloatArray, IntArray
 
 #: A facet near another body, in a step: the facet, the other body, its facet next to the first one,
 #: and the number of the other body's side there, see `find_patch_pairs`. Then the gap between both,
-#: the facet's weight in its patch, the place of its centroid in the other body's cell, and the
-#: normal there, out of the other body. Half-edges there, and an offset of the place, in cells, are
-#: those of facets that touch, see `pgimp.kernels.contact.surfaces.spread`; zero of others. Last the
-#: part that faces the other body, see `pgimp.kernels.contact.surfaces.pressed.faces`, and the first
-#: and the number of its `Pieces` that are kept; none if they have to be found again.
+#: the facet's weight in its patch, the part that faces the other body, see `facing_part`, and the
+#: normal there, out of the other body. Then the place of its centroid in the other body's cell.
+#: Half-edges there, and an offset of the place, in cells, are those of facets that touch, see
+#: `pgimp.kernels.contact.surfaces.spread`; zero of others. Last the first and the number of its
+#: `Pieces` that are kept; none if they have to be found again. What walls need is together.
 NEAR_FACET = structure(
     ("facet", "i8"),
     ("body", "i8"),
@@ -24,13 +24,13 @@ NEAR_FACET = structure(
     ("side", "i8"),
     ("gap", "f8"),
     ("weight", "f8"),
-    ("place", "f8", 3),
-    ("normal", "f8", 3),
-    ("edges", "f8", (2, 3)),
-    ("offset", "f8", 3),
     ("facing", "f8"),
+    ("normal", "f8", 3),
+    ("place", "f8", 3),
     ("piece", "i8"),
     ("pieces", "i8"),
+    ("edges", "f8", (2, 3)),
+    ("offset", "f8", 3),
 )
 
 
@@ -56,7 +56,8 @@ class Surface(NamedTuple):
     place: FloatArray  #: (n, 3) float64: Places in the cells, in cells from their first vertices.
     #: (n, 2, 3) float64: Half-edges of parallelograms with their second moments.
     edges: FloatArray
-    tip: NDArray[np.uint8]  #: (n,): 1 beside a sharp edge, where both bodies' facets look.
+    #: (n,): 1 beside a sharp edge, where both bodies' facets look; `FLAT` in a plane with others.
+    tip: NDArray[np.uint8]
     #: start, beside: (n + 1,) and (k,) int64: Neighbours of each facet.
     start: IntArray
     beside: IntArray

@@ -18,10 +18,10 @@ from pgimp.kernels.contact.surfaces.nearest import approach
 from pgimp.kernels.contact.surfaces.pressed import facing_part
 from pgimp.kernels.contact.surfaces.search import STEEP
 from pgimp.kernels.contact.surfaces.spread import (
+    add_offset,
+    find_pieces,
     keep_pieces,
     mean_position,
-    set_offset,
-    spread_weights,
 )
 
 #: Greatest cosine between normals of facets with a gap: others are beside an edge.
@@ -59,8 +59,7 @@ def _solve_place(frame, low, x, P, place):
     `low` is the cell's first vertex, with the displacement in `P`. Returns whether it is found, and
     the cofactors and the determinant of F at the place before the last.
     """
-    D, turn, most = len(frame.cell), 0, inf
-    K, J = cofactors(gradient(frame, P, place)[0])
+    D, turn = len(frame.cell), 0
     while True:
         F, way = gradient(frame, P, place)
         K, J = cofactors(F)
@@ -117,17 +116,19 @@ def _find_gap(frame, rigid_bodies, surface, moved, scratch, near, used):
     least, phi, length, beside = frame.cell[0], 0.0, 1.0, inf
     for d in range(D):
         least = min(least, frame.cell[d])
+    close, solved = True, -1
     for attempt in range(_ATTEMPTS):
-        f, c, close = near.other, surface.cell[near.other], True
-        length, phi = 1.0, 0.0
+        f, c, length, phi = near.other, surface.cell[near.other], 1.0, 0.0
         if c < 0:
             _rigid_place(rigid_bodies, surface, x, near)
         else:
-            if attempt > 0:
-                set_polynomial(D, cells, c, u, P)
-            for d in range(3):
-                near.place[d] = surface.place[f, d]
-            close, K, J = _solve_place(frame, cells.low[c], x, P, near.place)
+            if c != solved:
+                if attempt > 0:
+                    set_polynomial(D, cells, c, u, P)
+                for d in range(3):
+                    near.place[d] = surface.place[f, d]
+                close, K, J = _solve_place(frame, cells.low[c], x, P, near.place)
+                solved = c
             n = turned_normal(K, surface.normal[f])
             length = sqrt(n[0] ** 2 + n[1] ** 2 + n[2] ** 2)
             for d in range(3):
@@ -201,13 +202,13 @@ def _spread(frame, surface, there, x, scratch, near, used):
             part = k[i] * (frame.inverse[d] / J)
             near.edges[0, d] += part * surface.extent[near.facet, 0, i]
             near.edges[1, d] += part * surface.extent[near.facet, 1, i]
-    count = spread_weights(D, cells, c, near, pieces)
+    count = find_pieces(D, cells, c, near, pieces)
     mean_position(frame, cells, u, pieces, count, y)
     r = (x[0] - y[0], x[1] - y[1], x[2] - y[2])
     for d in range(D):
         k = K[d]
         near.offset[d] = (k[0] * r[0] + k[1] * r[1] + k[2] * r[2]) * (frame.inverse[d] / J)
-    set_offset(D, near, pieces[1][count - 1])
+    count = add_offset(D, c, near, pieces, count)
     return keep_pieces(D, near, used, pieces, count, kept)
 
 

@@ -22,9 +22,9 @@ from pgimp.physics.contact.base import TIED
 #: What the sweeps need of a pair, in rows of four numbers. Three components and a number: inverse
 #: mass, and along the normal; compliance of its own, and greatest inverse mass; velocity that no
 #: impulse changes, and the root of that mass; normal, and velocity that closes the gap; impulse
-#: across the normal, and along it.
-_INVERSE, _SOFT, _FIXED, _NORMAL, _IMPULSE = 0, 4, 8, 12, 16
-PREPARED = 20
+#: across the normal, and along it; that at the begin of two sweeps, and its last change.
+_INVERSE, _SOFT, _FIXED, _NORMAL, _IMPULSE, _START, _CHANGE = 0, 4, 8, 12, 16, 20, 24
+PREPARED = 28
 
 
 @inner_kernel
@@ -128,51 +128,50 @@ def _exchange(contact, dt, contact_pairs, k, coupling, solved, prepared):
 
 
 @inner_kernel
-def _go_on(contact, contact_pairs, group, coupling, solved, scratch, before):
+def _go_on(contact, contact_pairs, group, coupling, solved, prepared, before):
     """Go on along the last changes of the impulses of a group; returns their square.
 
     `before` is that of the two sweeps before, below 0 without any.
     """
-    (order, a, b), (changes, prepared), square = group, scratch, 0.0
-    start, direction = changes[0], changes[1]
+    (order, a, b), square = group, 0.0
     for n in range(a, b):
         k = order[n]
-        change = load_row(prepared, k, _IMPULSE) - load_row(start, k, 0)
-        store_row(start, k, 0, change)
+        change = load_row(prepared, k, _IMPULSE) - load_row(prepared, k, _START)
+        store_row(prepared, k, _START, change)
         square += _dot(change, change) + lane(change, 3) ** 2
     part = square / before if before > 0.0 else 0.0
     for n in range(a, b):
         k = order[n]
         if part > 1.0:
-            store_row(direction, k, 0, vector(0.0))
+            store_row(prepared, k, _CHANGE, vector(0.0))
             continue
-        way = part * load_row(direction, k, 0)
+        way = part * load_row(prepared, k, _CHANGE)
         if part > 0.0:
             store_row(prepared, k, _IMPULSE, load_row(prepared, k, _IMPULSE) + way)
             J = lane(way, 3) * load_row(prepared, k, _NORMAL) + way
             J = (lane(J, 0), lane(J, 1), lane(J, 2))
             if J[0] != 0.0 or J[1] != 0.0 or J[2] != 0.0:
                 apply_impulse(contact, contact_pairs, k, J, coupling, solved)
-        store_row(direction, k, 0, way + load_row(start, k, 0))
+        store_row(prepared, k, _CHANGE, way + load_row(prepared, k, _START))
     return square
 
 
 @inner_kernel
-def _solve_group(contact, dt, contact_pairs, group, coupling, solved, scratch, accuracy):
+def _solve_group(contact, dt, contact_pairs, group, coupling, solved, prepared, accuracy):
     """Solve for the impulses of a group; returns the sweeps.
 
     `group` has the pairs by group, and of these the first one and the end.
     """
-    (order, a, b), (changes, prepared), before = group, scratch, -1.0
+    (order, a, b), before = group, -1.0
     for n in range(a, b):
         _prepare(contact, contact_pairs, order[n], coupling, solved, prepared)
-        store_row(changes[1], order[n], 0, vector(0.0))
+        store_row(prepared, order[n], _CHANGE, vector(0.0))
     done, sweep = False, 0
     while not done and sweep < accuracy[0]:
         forwards, change, most = sweep % 2 == 0, 0.0, 0.0
         if forwards:
             for n in range(a, b):
-                store_row(changes[0], order[n], 0, load_row(prepared, order[n], _IMPULSE))
+                store_row(prepared, order[n], _START, load_row(prepared, order[n], _IMPULSE))
         for n in range(b - a):
             k = order[a + n if forwards else b - 1 - n]
             own = _exchange(contact, dt, contact_pairs, k, coupling, solved, prepared)
@@ -180,7 +179,7 @@ def _solve_group(contact, dt, contact_pairs, group, coupling, solved, scratch, a
         sweep += 1
         done = change <= accuracy[1] * most
         if not done and not forwards and sweep < accuracy[0]:
-            before = _go_on(contact, contact_pairs, group, coupling, solved, scratch, before)
+            before = _go_on(contact, contact_pairs, group, coupling, solved, prepared, before)
     for n in range(a, b):
         k = order[n]
         row = contact_pairs.states[k]
@@ -191,7 +190,7 @@ def _solve_group(contact, dt, contact_pairs, group, coupling, solved, scratch, a
 
 
 @kernel
-def solve_groups(contact, free, pairs, coupling, solved, scratch, accuracy):
+def solve_groups(contact, free, pairs, coupling, solved, prepared, accuracy):
     """Exchange impulses in the pairs of each group until the law holds for all of them.
 
     Patches side by side have some vertices in common, and sweeps alone converge slowly. After two
@@ -211,7 +210,7 @@ def solve_groups(contact, free, pairs, coupling, solved, scratch, accuracy):
         The response to impulses.
     solved : Solved
         The reference vertices; their velocities are changed here.
-    scratch : ((2, pairs, 4) float64, (pairs, PREPARED) float64)
+    prepared : (pairs, PREPARED) float64
         Scratch.
     accuracy : (int, float)
         Sweeps, at most, alternately forwards and backwards; and the greatest change of an impulse
@@ -227,7 +226,7 @@ def solve_groups(contact, free, pairs, coupling, solved, scratch, accuracy):
     for g in range(len(first) - 1):
         group = order, first[g], first[g + 1]
         sweeps += _solve_group(
-            contact, free.forcing.dt, contact_pairs, group, coupling, solved, scratch, accuracy
+            contact, free.forcing.dt, contact_pairs, group, coupling, solved, prepared, accuracy
         )
     return sweeps
 

@@ -17,13 +17,21 @@ even pressure. So d is a dt^2/2 at least: what contact keeps the patch from in a
 from math import inf, sqrt
 
 from pgimp.jit.kernel import inner_kernel
+from pgimp.jit.vectors.lanes import sum_of
+from pgimp.jit.vectors.rows import load_row
+from pgimp.jit.vectors.simd import lane, vector, where
 from pgimp.physics.contact.base import TIED
 
 #: The least length d in cells, and over a dt^2 with the acceleration a that contact gives a patch.
 FADES, FOLLOWS = 0.002, 0.5
 
-#: Iterations for the level, at most, and the change over d that ends them.
-_NEWTON, _EXACT = 40, 1e-12
+#: Iterations for the level, at most, and the relative error of its root that ends them.
+_NEWTON, _EXACT = 40, 1e-13
+
+#: Rows of what is gathered of the facets on a side: gap, area, the part of it that faces the other
+#: body, weight. Whole numbers: which candidate it is, and its facet.
+GAP, AREA, FACING, WEIGHT, GATHERED = range(5)
+NUMBER, FACET, NUMBERED = range(3)
 
 #: Least area A, in areas of the patch.
 _LEAST = 0.03
@@ -90,61 +98,89 @@ def find_sides(surface, every, first, last, near):
     The nearest facet's side has all those with normals like its own. Facets without a gap are on
     side -1; there is none unless a gap is below `near`.
     """
-    mask = 0
+    mask, best, least = 0, -1, near
     for n in range(first, last):
         every[n].side = -1
-    while True:
-        best, least = -1, near if mask == 0 else inf
-        for n in range(first, last):
-            if every[n].side < 0 and every[n].gap < least:
-                least, best = every[n].gap, n
-        if best < 0:
-            return mask
+        if every[n].gap < least:
+            least, best = every[n].gap, n
+    while best >= 0:
         side = _side_of(surface, every[best].other)
         while mask >> side & 1:
             side += 6
         mask |= 1 << side
+        of, best, least = every[best].normal, -1, inf
         for n in range(first, last):
-            same = 0.0
-            for d in range(3):
-                same += every[n].normal[d] * every[best].normal[d]
-            if n == best or (every[n].side < 0 and every[n].gap < inf and same > _ONE_SIDE):
-                every[n].side = side
+            one = every[n]
+            if one.side >= 0 or not one.gap < inf:
+                continue
+            same = one.normal[0] * of[0] + one.normal[1] * of[1] + one.normal[2] * of[2]
+            if same > _ONE_SIDE:
+                one.side = side
+            elif one.gap < least:
+                least, best = one.gap, n
+    return mask
 
 
 @inner_kernel
-def level(surface, every, first, last, side, least, width):
-    """Level of a patch above the least gap, by Newton's method from above."""
-    near, whole, most, deepest = 0.0, 0.0, 0.0, least
+def gather(surface, group, side, own, numbers):
+    """Gather the facets of a patch on a side; clears all weights.
+
+    Parameters
+    ----------
+    group : (array, int, int)
+        Candidates, and of these the first one and the end of the patch's.
+    own : (GATHERED, room) float64
+        Set; nothing more up to a multiple of four.
+    numbers : (NUMBERED, room) int64
+        Set.
+
+    Returns
+    -------
+    tuple of int, float, int
+        How many there are, the area of the whole patch, and the candidate with the least gap.
+    """
+    (every, first, last), found, whole, deepest = group, 0, 0.0, -1
     for n in range(first, last):
-        area = surface.area[every[n].facet]
-        most += area
-        if every[n].side == side:
-            whole += area * every[n].facing
-            if every[n].gap <= least + width:
-                near += area
-                deepest = max(deepest, every[n].gap)
-    whole = max(whole, _LEAST * most)
-    s = deepest + width * sqrt(whole / near)  # all of these at the greatest of their gaps
+        near = every[n]
+        area, near.weight = surface.area[near.facet], 0.0
+        whole += area
+        if near.side == side:
+            if deepest < 0 or near.gap < every[deepest].gap:
+                deepest = n
+            numbers[NUMBER, found], numbers[FACET, found] = n, near.facet
+            own[GAP, found], own[AREA, found] = near.gap, area
+            own[FACING, found], own[WEIGHT, found] = area * near.facing, 0.0
+            found += 1
+    for m in range(found, found + -found % 4):
+        own[GAP, m], own[AREA, m], own[FACING, m] = inf, 0.0, 0.0
+    return found, whole, deepest
+
+
+@inner_kernel
+def level(own, count, whole, least, width):
+    """Level of a patch above the least gap, by Newton's method from above for the equation's root.
+
+    `own` and `count` are as of `gather`, `whole` is the area of the patch.
+    """
+    near, facing, deepest = vector(0.0), vector(0.0), vector(least)
+    for m in range(0, count, 4):
+        gap, area = load_row(own, GAP, m), load_row(own, AREA, m)
+        touches = gap <= least + width
+        near = near + where(touches, area, 0.0)
+        deepest = where(touches & (gap > deepest), gap, deepest)
+        facing = facing + load_row(own, FACING, m)
+    most = max(max(lane(deepest, 0), lane(deepest, 1)), max(lane(deepest, 2), lane(deepest, 3)))
+    facing = max(sum_of(facing), _LEAST * whole)
+    s, aim = most + width * sqrt(facing / sum_of(near)), width * sqrt(facing)
     for _ in range(_NEWTON):
-        value, slope = -whole * width * width, 0.0
-        for n in range(first, last):
-            if every[n].side != side:
-                continue
-            deep = max(0.0, s - every[n].gap)
-            area = surface.area[every[n].facet]
-            value += area * deep * deep
-            slope += 2.0 * area * deep
-        s -= value / slope
-        if not value > _EXACT * width * slope:
+        square, slope = vector(0.0), vector(0.0)
+        for m in range(0, count, 4):
+            deep = s - load_row(own, GAP, m)
+            deep = where(deep > 0.0, deep, 0.0)
+            part = load_row(own, AREA, m) * deep
+            square, slope = part * deep + square, slope + part
+        root = sqrt(sum_of(square))
+        s -= (root - aim) * root / sum_of(slope)
+        if not root - aim > _EXACT * aim:
             break
     return s
-
-
-@inner_kernel
-def share(surface, near, side, level, tied):
-    """Weight of a facet in its patch; of tied ones `level` is where ties end."""
-    if near.side != side or not near.gap < level:
-        return 0.0
-    area = surface.area[near.facet]
-    return area if tied else area * (level - near.gap)

@@ -9,28 +9,25 @@ from pgimp.kernels.contact.impulses.reference_grid import read_reference_vertice
 from pgimp.kernels.data.motion import DISPLACEMENT
 from pgimp.kernels.data.record import RECORD
 
-
-@inner_kernel
-def hat(D, place, corner):
-    """Weight of a cell's vertex at a place in it, also beyond."""
-    w = 1.0
-    for d in range(D):
-        w *= place[d] if corner >> (D - 1 - d) & 1 else 1.0 - place[d]
-    return w
+#: Square of the sine between half-edges, below which these do not tell a facet's normal.
+_SHORT = 1e-8
 
 
 @inner_kernel
 def set_polynomial(D, cells, c, u, P):
-    """Set the coefficients of the displacement in a cell, (2^D, 4), by the factors' bits.
+    """Set the coefficients of the displacement in a cell, by the factors' bits, and its corners'.
 
-    Entry e is the coefficient of the product of the places along the directions of its bits, see
-    `hat`.
+    Entry e of the first 2^D rows is the coefficient of the product of the places along the
+    directions of its bits, that of z the last. Displacements of the corners are in the others.
     """
-    for corner in range(1 << D):
-        store_row(P, corner, 0, load_row(u, cells.corners[c, corner], 0))
+    count = 1 << D
+    for corner in range(count):
+        row = load_row(u, cells.corners[c, corner], 0)
+        store_row(P, corner, 0, row)
+        store_row(P, count + corner, 0, row)
     for d in range(D):
         bit = 1 << (D - 1 - d)
-        for corner in range(1 << D):
+        for corner in range(count):
             if corner & bit:
                 store_row(P, corner, 0, load_row(P, corner, 0) - load_row(P, corner ^ bit, 0))
 
@@ -89,20 +86,34 @@ def turned_normal(K, n):
 
 
 @inner_kernel
+def set_hats(D, hats):
+    """Set weights of a cell's vertices, given means of the products of places by their bits."""
+    for d in range(D):
+        for corner in range(1 << D):
+            if not corner >> d & 1:
+                hats[corner] -= hats[corner | 1 << d]
+
+
+@inner_kernel
 def set_means(D, place, edges, hats):
     """Set the means of the weights of a cell's vertices over a parallelogram about a place."""
-    for corner in range(1 << D):
-        w = hat(D, place, corner)
-        for i in range(D):
-            for j in range(i + 1, D):
-                product = (edges[0, i] * edges[0, j] + edges[1, i] * edges[1, j]) / 3.0
-                if (corner >> (D - 1 - i) & 1) != (corner >> (D - 1 - j) & 1):
-                    product = -product
-                for d in range(D):
-                    if d != i and d != j:
-                        product *= place[d] if corner >> (D - 1 - d) & 1 else 1.0 - place[d]
-                w += product
-        hats[corner] = w
+    hats[0] = 1.0
+    for d in range(D):
+        hats[1 << (D - 1 - d)] = place[d]
+    if D == 2:
+        hats[3] = place[0] * place[1] + _product(edges, 0, 1)
+    if D == 3:
+        x, y, z = place[0], place[1], place[2]
+        a, b, c = _product(edges, 1, 2), _product(edges, 0, 2), _product(edges, 0, 1)
+        hats[3], hats[5], hats[6] = y * z + a, x * z + b, x * y + c
+        hats[7] = x * (y * z + a) + y * b + z * c
+    set_hats(D, hats)
+
+
+@inner_kernel
+def _product(edges, i, j):
+    """Mean of the product of two coordinates over a parallelogram about zero."""
+    return (edges[0, i] * edges[0, j] + edges[1, i] * edges[1, j]) / 3.0
 
 
 @kernel
@@ -177,20 +188,44 @@ def move_facets(frame, rigid_bodies, surface, cells, u, some, scratch):
         if c != last:
             set_polynomial(D, cells, c, u, P)
             last = c
-        way = surface.means[f, 0] * load_row(u, cells.corners[c, 0], 0)
+        way = surface.means[f, 0] * load_row(P, 1 << D, 0)
         for corner in range(1, 1 << D):
-            way = surface.means[f, corner] * load_row(u, cells.corners[c, corner], 0) + way
+            way = surface.means[f, corner] * load_row(P, (1 << D) + corner, 0) + way
         F, _ = gradient(frame, P, surface.place[f])
-        K, _ = cofactors(F)
-        normal = turned_normal(K, surface.normal[f])
-        length = 1.0 / sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
-        set_triple(surface.turned[f], length * pack(normal[0], normal[1], normal[2], 0.0))
+        _turn(D, surface, f, F)
         surface.now[f, 0] = surface.x[f, 0] + lane(way, 0)
         surface.now[f, 1] = surface.x[f, 1] + lane(way, 1)
         surface.now[f, 2] = surface.x[f, 2] + lane(way, 2)
-        for side in range(D - 1):
-            e = surface.edges[f, side]
-            set_triple(surface.extent[f, side], e[0] * F[0] + (e[1] * F[1] + e[2] * F[2]))
+
+
+@inner_kernel
+def _turn(D, surface, f, F):
+    """Set half-edges and normal of a facet: across its edges, where these are not too short."""
+    normal, square, most = (0.0, 0.0, 0.0), 0.0, 1.0
+    if D > 1:
+        e = surface.edges[f, 0]
+        a = e[0] * F[0] + (e[1] * F[1] + e[2] * F[2])
+        set_triple(surface.extent[f, 0], a)
+        if D == 2:
+            normal, most = (lane(a, 1), -lane(a, 0), 0.0), 0.0
+        else:
+            e = surface.edges[f, 1]
+            b = e[0] * F[0] + (e[1] * F[1] + e[2] * F[2])
+            set_triple(surface.extent[f, 1], b)
+            normal, most = cross(a, b), _SHORT * square_of(a) * square_of(b)
+        square = normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2
+    if not square > most:
+        normal = turned_normal(cofactors(F)[0], surface.normal[f])
+        square = normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2
+    length = 1.0 / sqrt(square)
+    set_triple(surface.turned[f], length * pack(normal[0], normal[1], normal[2], 0.0))
+
+
+@inner_kernel
+def square_of(v):
+    """Square of the first three components of a vector in lanes."""
+    whole = v * v
+    return lane(whole, 0) + lane(whole, 1) + lane(whole, 2)
 
 
 @inner_kernel

@@ -28,6 +28,11 @@ CLEAR = 0.15
 _BEYOND = 0.0857
 
 
+#: Mark of facets in a plane with their neighbours, and radii from their centroids within which the
+#: one that a point is over is this or one beside it.
+FLAT, _OVER = 2, 1.5
+
+
 @inner_kernel
 def reluctance(same, cell):
     """Square of a length by which facets are farther from each other, by the cosine of normals."""
@@ -90,6 +95,16 @@ def next_facet(D, surface, s, cell, f):
 
 
 @inner_kernel
+def _stays(surface, s, f):
+    """Whether the facet next to facet `s` is `f` or one in a plane with it."""
+    square = 0.0
+    for d in range(3):
+        way = surface.now[s, d] - surface.now[f, d]
+        square += (way - turns(surface, way, d)) ** 2
+    return surface.tip[f] == FLAT and square < (_OVER * surface.radius[f]) ** 2
+
+
+@inner_kernel
 def approach(D, surface, near, cell, walks, farthest):
     """Least gap that a facet may have before the one next to it; inf if these are far apart.
 
@@ -104,7 +119,7 @@ def approach(D, surface, near, cell, walks, farthest):
         Side of a cell, and distance beyond which facets are far apart.
     """
     s = near.facet
-    if walks:
+    if walks and not _stays(surface, s, near.other):
         near.other = next_facet(D, surface, s, cell, near.other)
     f, along, whole, same, over = near.other, 0.0, 0.0, 0.0, 0.0
     for d in range(3):

@@ -8,6 +8,7 @@ taken as that under a footing: linear, without tension, with the force in the sa
 from math import inf
 
 from pgimp.jit.kernel import inner_kernel
+from pgimp.kernels.contact.surfaces.levels import FACET, FACING, GAP, WEIGHT
 
 #: Cells by which gaps of facets under pressure are above the least of their patch, at most: the
 #: sagitta of a cell on a disk with a radius of two cells.
@@ -33,32 +34,36 @@ def pressing(surface, near, side, least, cell):
 
 
 @inner_kernel
-def pressed_area(surface, every, first, last, side, least, cell):
+def pressed_area(surface, own, numbers, count, least, cell):
     """Area of a patch under pressure, in the initial state.
 
-    `every` are its facets, from `first` to `last`, with weights that add up to 1. Along each axis
+    `own`, `numbers` and `count` are as of `gather`, with weights that add up to 1. Along each axis
     but that of its normal, a force within the middle third presses on all of it. One nearer to its
     end presses on three times the distance from there.
     """
-    area, axis, most = 0.0, 0, 0.0
-    for n in range(first, last):
-        part = pressing(surface, every[n], side, least, cell)
+    area, most, greatest = 0.0, 0.0, -1
+    low, high, at = (inf, inf, inf), (-inf, -inf, -inf), (0.0, 0.0, 0.0)
+    for m in range(count):
+        s, w, part = numbers[FACET, m], own[WEIGHT, m], own[FACING, m]
+        x, half = surface.x[s], surface.half[s]
+        at = (at[0] + w * x[0], at[1] + w * x[1], at[2] + w * x[2])
+        if not (own[GAP, m] < least + _TOUCHING * cell and part > 0.0):
+            continue
         area += part
         if part > most:
-            most = part
-            for d in range(3):
-                s = every[n].facet
-                if abs(surface.normal[s, d]) > abs(surface.normal[s, axis]):
-                    axis = d
-    whole = area
+            most, greatest = part, s
+        low = (
+            min(low[0], x[0] - half[0]), min(low[1], x[1] - half[1]), min(low[2], x[2] - half[2])
+        )  # fmt: skip
+        high = (
+            max(high[0], x[0] + half[0]), max(high[1], x[1] + half[1]), max(high[2], x[2] + half[2])
+        )  # fmt: skip
+    axis = 0
     for d in range(3):
-        low, high, at = inf, -inf, 0.0
-        for n in range(first if d != axis else last, last):
-            s = every[n].facet
-            at += every[n].weight * surface.x[s, d]
-            if pressing(surface, every[n], side, least, cell) > 0.0:
-                low = min(low, surface.x[s, d] - surface.half[s, d])
-                high = max(high, surface.x[s, d] + surface.half[s, d])
-        if low < high:
-            whole *= max(0.0, min(1.0, 3.0 * min(at - low, high - at) / (high - low)))
-    return whole
+        if greatest >= 0 and abs(surface.normal[greatest, d]) > abs(surface.normal[greatest, axis]):
+            axis = d
+    for d in range(3):
+        if d != axis and low[d] < high[d]:
+            nearest = min(at[d] - low[d], high[d] - at[d])
+            area *= max(0.0, min(1.0, 3.0 * nearest / (high[d] - low[d])))
+    return area

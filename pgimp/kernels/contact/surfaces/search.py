@@ -4,13 +4,16 @@ from math import inf
 
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.contact.surfaces.data import turns
-from pgimp.kernels.contact.surfaces.nearest import apart, reluctance
+from pgimp.kernels.contact.surfaces.nearest import FLAT, apart, reluctance
 from pgimp.kernels.data.motion import DISPLACEMENT
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.once.neighbours import first_not_below
 
 #: Cosine below which facets of a second body leave it to the first one's to look for them.
 STEEP = -0.8
+
+#: How far neighbours in a plane may be off: cosines of normals, and radii behind it.
+_IN_PLANE = 1e-6
 
 
 @kernel
@@ -60,9 +63,11 @@ def find_beside(x, body, key_of, bins, strides, radius, start, beside):
 def find_tips(surface, sharp):
     """Mark the facets beside a sharp edge: a neighbour's normal is nearly the opposite one.
 
-    `sharp` is the greatest cosine between normals there.
+    Those in a plane with all of their neighbours are `FLAT`. `sharp` is the greatest cosine between
+    normals at an edge.
     """
     for f in range(len(surface.x)):
+        surface.tip[f] = FLAT
         for k in range(surface.start[f], surface.start[f + 1]):
             m, alike, behind = surface.beside[k], 0.0, 0.0
             for d in range(3):
@@ -71,6 +76,10 @@ def find_tips(surface, sharp):
                 behind += (way - turns(surface, way, d)) * surface.normal[f, d]
             if alike < sharp and behind < 0.0:
                 surface.tip[f] = 1
+            elif surface.tip[f] == FLAT and not (
+                alike > 1.0 - _IN_PLANE and abs(behind) < _IN_PLANE * surface.radius[f]
+            ):
+                surface.tip[f] = 0
 
 
 @kernel
@@ -174,7 +183,7 @@ def _looks(surface, acts, cell, s, f):
     Of two bodies the second one's facets do so at its tips, which the first one's may not see.
     """
     a, b = surface.body[s], surface.body[f]
-    if acts[a, b] == 0 and (acts[b, a] == 0 or surface.tip[s] == 0):
+    if acts[a, b] == 0 and (acts[b, a] == 0 or surface.tip[s] != 1):
         return False
     return a != b or apart(surface, s, f, cell)
 

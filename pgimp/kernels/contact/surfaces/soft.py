@@ -23,11 +23,15 @@ has a part across others, which would let these creep; it is taken away.
 from math import sqrt
 
 from pgimp.jit.kernel import inner_kernel, kernel
+from pgimp.jit.vectors.rows import load_row, store_row
+from pgimp.jit.vectors.simd import lane, pack, vector
 from pgimp.kernels.contact.data import impulse_of
-from pgimp.kernels.contact.impulses.gauss_seidel import load_pair
-from pgimp.kernels.contact.impulses.rows import add_impulse
-from pgimp.kernels.contact.impulses.warm_start import EXTRAPOLATION, find_kept
+from pgimp.kernels.contact.impulses.coupling import Coupling
+from pgimp.kernels.contact.impulses.rigid_ends import free_velocity, is_free
+from pgimp.kernels.contact.impulses.rows import add_impulse, velocity_at
+from pgimp.kernels.contact.impulses.warm_start import EXTRAPOLATION, begin_impulses, find_kept
 from pgimp.kernels.contact.sliding import sliding_part
+from pgimp.kernels.contact.surfaces.groups import solve_groups
 from pgimp.physics.contact.base import TIED
 
 #: The factor c.
@@ -154,10 +158,18 @@ def _own_depth(solved, end, row, one, dt):
 
 @inner_kernel
 def _velocity(contact, contact_pairs, k, coupling, solved):
-    """Velocity of a pair's ends apart, with their compliance, as impulses are."""
-    load_pair(contact, contact_pairs, k, coupling, solved)
-    one, other = contact.fields[1].velocity, contact.fields[0].velocity
-    return (one[0] - other[0], one[1] - other[1], one[2] - other[2])
+    """Velocity of a pair's ends apart, without impulses of its own."""
+    end, rigid, v = contact_pairs.ends[k], contact_pairs.rigid[k], vector(0.0)
+    for side in range(2):
+        r, sign = end.rows[side], 2.0 * side - 1.0
+        if is_free(contact.rigid_bodies, r):
+            w = free_velocity(contact.rigid_bodies, r, rigid)
+            v = sign * pack(w[0], w[1], w[2], 0.0) + v
+            continue
+        v = sign * pack(rigid[side, 0], rigid[side, 1], rigid[side, 2], 0.0) + v
+        if r >= 0:
+            v = sign * velocity_at(r, coupling, solved) + v
+    return (lane(v, 0), lane(v, 1), lane(v, 2))
 
 
 @inner_kernel
@@ -193,23 +205,11 @@ def _hold_across(contact, contact_pairs, k, coupling, solved, before):
         contact_pairs.rigid[k, side, d] -= (2.0 * side - 1.0) * change
 
 
-@kernel
-def soften(contact, kept, contact_pairs, coupling, solved, sizes, scratch):
-    """Give the pairs their compliance; `apply_impulses` ends what this begins.
+@inner_kernel
+def _soften(contact, kept, contact_pairs, coupling, solved, sizes, scratch):
+    """Give the pairs their compliance; `_apply` ends what this begins.
 
-    Parameters
-    ----------
-    kept : (n,) KEPT_FORCE
-        Of the last step, see `begin_impulses`.
-    coupling : Coupling
-        The response to impulses; `answer` is changed.
-    solved : Solved
-        After `begin_solution`; `soft` is set, and masses are changed.
-    sizes : (float, float, float, float)
-        The step; least area of a patch in its weight; the length by which overlaps
-        end in a step, beyond what compliance takes; the gap at which a patch may bear.
-    scratch : ((vertices, 3) float64, (pairs, 3) float64, (pairs,) float64)
-        Scratch, zero before.
+    Changes masses, and the answers of `coupling`. `sizes` and `scratch` are as of `solve_softly`.
     """
     (dt, _, parts, _), (sums, before, areas) = sizes, scratch
     for k in range(len(contact_pairs.ends)):
@@ -250,8 +250,8 @@ def soften(contact, kept, contact_pairs, coupling, solved, sizes, scratch):
             row.gap_rate -= deep
 
 
-@kernel
-def apply_impulses(contact_pairs, coupling, solved):
+@inner_kernel
+def _apply(contact_pairs, coupling, solved):
     """Apply the impulses of all pairs to the vertices, as they are without compliance.
 
     `solved` is as after `begin_solution`.
@@ -265,3 +265,45 @@ def apply_impulses(contact_pairs, coupling, solved):
                 for d in range(3):
                     contact_pairs.rigid[k, side, d] = 0.0
                 add_impulse(r, J, 2.0 * side - 1.0, coupling, solved)
+
+
+@kernel
+def solve_softly(contact, free, kept, pairs, coupling, solved, room, limits) -> int:
+    """Solve for the impulses of groups, with compliance between patches; returns the sweeps.
+
+    Parameters
+    ----------
+    contact, free, pairs, coupling
+        See `solve_groups`.
+    kept : (n,) KEPT_FORCE
+        Of the last step, see `begin_impulses`.
+    solved : Solved
+        After `begin_solution`; impulses of the solution are applied.
+    room : (Solved, (rows, 3) float64, tuple, tuple)
+        Scratch: vertices and answers with compliance, with `soft` of their own. Then sums at
+        vertices, (vertices, 3) float64; velocities, (pairs, 3) float64; areas, (pairs,) float64.
+        Last that of `solve_groups`.
+    limits : (float, float, float, float), (int, float)
+        The step; least area of a patch in its weight; the length by which overlaps
+        end in a step, beyond what compliance takes; the gap at which a patch may bear. Then the
+        accuracy, see `solve_groups`.
+    """
+    (contact_pairs, _, _), (softened, answer, scratch, sweeping) = pairs, room
+    (sizes, accuracy), sums = limits, scratch[0]
+    for j in range(len(solved.velocity)):
+        store_row(softened.velocity, j, 0, load_row(solved.velocity, j, 0))
+        store_row(softened.inverse_mass, j, 0, load_row(solved.inverse_mass, j, 0))
+        store_row(softened.held_impulse, j, 0, load_row(solved.held_impulse, j, 0))
+        sums[j, 0] = sums[j, 1] = sums[j, 2] = 0.0
+    for k in range(len(solved.moved)):
+        softened.moved[k] = solved.moved[k]
+    for r in range(len(answer)):
+        softened.free[r] = solved.free[r]
+        for d in range(3):
+            answer[r, d], softened.soft[r, d] = coupling.answer[r, d], 0.0
+    compliant = Coupling(coupling.start, coupling.column, coupling.entry, answer)
+    _soften(contact, kept, contact_pairs, compliant, softened, sizes, scratch)
+    begin_impulses(contact, kept, contact_pairs, compliant, softened, sizes[0])
+    sweeps = solve_groups(contact, free, pairs, compliant, softened, sweeping, accuracy)
+    _apply(contact_pairs, coupling, solved)
+    return sweeps

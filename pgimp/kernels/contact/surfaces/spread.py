@@ -13,7 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.jit.kernel import inner_kernel
-from pgimp.kernels.contact.surfaces.motion import hat, set_means
+from pgimp.jit.vectors.lanes import sum_of
+from pgimp.jit.vectors.rows import load_row
+from pgimp.jit.vectors.simd import lane, pack, vector
+from pgimp.kernels.contact.surfaces.motion import set_hats, set_means
 
 #: What `spread_weights` fills, and scratch.
 Pieces = tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
@@ -39,7 +42,7 @@ def kept_of(D: int, count: int) -> tuple[NDArray[np.int64], NDArray[np.float64]]
 
 def scratch_of(D: int) -> tuple[Any, ...]:
     """Allocate what `move_facets` and `find_gaps` need; the last are pieces that they keep."""
-    return np.zeros((2**D, 4)), np.zeros(3), pieces_of(D), kept_of(D, 0)
+    return np.zeros((2 * 2**D, 4)), np.zeros(3), pieces_of(D), kept_of(D, 0)
 
 
 @inner_kernel
@@ -67,73 +70,95 @@ def _clip(polygon, count, axis, at, side):
 
 
 @inner_kernel
-def _add_polygon(polygon, count, whole, first, hats):
-    """Add the integrals of weights over a polygon, over an area, in the cell at `first`."""
-    p = polygon[0]
+def _set_polygon_means(polygon, count, whole, first, hats):
+    """Set the integrals of weights over a polygon, over an area, in the cell at `first`."""
+    p, zero = polygon[0], vector(0.0)
+    weights = pack(_POINT, _POINT, _POINT, _MIDDLE)
+    one, mx, my, mz, myz, mxz, mxy, mxyz = zero, zero, zero, zero, zero, zero, zero, zero
     for n in range(2, count):
         a, b = p[n - 1], p[n]
-        square = 0.0
-        for d in range(3):
-            e, f = (d + 1) % 3, (d + 2) % 3
-            part = (a[e] - p[0, e]) * (b[f] - p[0, f]) - (a[f] - p[0, f]) * (b[e] - p[0, e])
-            square += part * part
-        share = 0.5 * sqrt(square) / whole
-        for point in range(4):
-            at = polygon[1, 0]
-            for d in range(3):
-                if point == 3:
-                    at[d] = (p[0, d] + a[d] + b[d]) / 3.0 - first[d]
-                else:
-                    own = p[0, d] if point == 0 else (a[d] if point == 1 else b[d])
-                    rest = p[0, d] + a[d] + b[d] - own
-                    at[d] = _CORNER * own + _OTHER * rest - first[d]
-            weight = share * (_MIDDLE if point == 3 else _POINT)
-            for corner in range(8):
-                hats[corner] += weight * hat(3, at, corner)
+        u = (a[0] - p[0, 0], a[1] - p[0, 1], a[2] - p[0, 2])
+        v = (b[0] - p[0, 0], b[1] - p[0, 1], b[2] - p[0, 2])
+        i, j, k = u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
+        w = (0.5 * sqrt(i * i + j * j + k * k) / whole) * weights
+        x = _points(p[0, 0], a[0], b[0], first[0])
+        y = _points(p[0, 1], a[1], b[1], first[1])
+        z = _points(p[0, 2], a[2], b[2], first[2])
+        wx, wy, yz = w * x, w * y, y * z
+        one, mx, my, mz, mxy = one + w, mx + wx, my + wy, w * z + mz, wx * y + mxy
+        myz, mxz, mxyz = w * yz + myz, wx * z + mxz, wx * yz + mxyz
+    hats[0], hats[1], hats[2], hats[3] = sum_of(one), sum_of(mz), sum_of(my), sum_of(myz)
+    hats[4], hats[5], hats[6], hats[7] = sum_of(mx), sum_of(mxz), sum_of(mxy), sum_of(mxyz)
+    set_hats(3, hats)
+
+
+@inner_kernel
+def _points(a, b, c, first):
+    """Coordinates of a triangle's four points, in lanes, from that of a cell."""
+    rest = _OTHER * (a + b + c) - first
+    own = _CORNER - _OTHER
+    return pack(own * a + rest, own * b + rest, own * c + rest, (a + b + c) / 3.0 - first)
 
 
 @inner_kernel
 def _reaches(place, edges, d):
-    """Whether a facet reaches into the cells below and above along an axis.
-
-    Only then are there pieces in these, and is what is beyond the plane cut off from others.
-    """
+    """Whether a facet reaches into the cells below (1) and above (2) along an axis."""
     reach = abs(edges[0, d]) + abs(edges[1, d])
-    return place[d] - reach < -_REACHES, place[d] + reach > 1.0 + _REACHES
+    below = 1 if place[d] - reach < -_REACHES else 0
+    return below | (2 if place[d] + reach > 1.0 + _REACHES else 0)
 
 
 @inner_kernel
-def _set_polygon(place, edges, ways, polygon):
-    """Set the part of a parallelogram in a cell beside, or in the cell; the number of corners."""
+def _known(cells, c, cut, d, side):
+    """Whether there is a cell below or above along an axis, beside any that a facet reaches into.
+
+    Without one the facet is not cut there: weights are continued.
+    """
+    for way in range(9):
+        m = c
+        for turn in range(2):
+            e, beside = (d + 1 + turn) % 3, way // 3 if turn else way % 3
+            if beside > 0 and m >= 0:
+                m = cells.beside[m, 2 * e + beside - 1] if cut >> 2 * e & beside else -1
+        if m >= 0 and cells.beside[m, 2 * d + side] >= 0:
+            return True
+    return False
+
+
+@inner_kernel
+def _set_polygon(place, edges, ways, cut, polygon):
+    """Set the part of a parallelogram in a cell beside, or in the cell; the number of corners.
+
+    `cut` has the bits of axes and sides on which it is cut.
+    """
     count = 4
     for n in range(4):
         s, r = 1.0 if n in (0, 3) else -1.0, 1.0 if n < 2 else -1.0
         for d in range(3):
             polygon[0, n, d] = place[d] + s * edges[0, d] + r * edges[1, d]
     for d in range(3):
-        below, above = _reaches(place, edges, d)
-        if ways[d] > 0.0 or (ways[d] == 0.0 and below):
+        if ways[d] > 0.0 or (ways[d] == 0.0 and cut >> 2 * d & 1):
             count = _clip(polygon, count, d, 1.0 if ways[d] > 0.0 else 0.0, 1.0)
-        if ways[d] < 0.0 or (ways[d] == 0.0 and above):
+        if ways[d] < 0.0 or (ways[d] == 0.0 and cut >> 2 * d & 2):
             count = _clip(polygon, count, d, 0.0 if ways[d] < 0.0 else 1.0, -1.0)
     return count
 
 
 @inner_kernel
-def _set_segment(place, edges, ways, part):
+def _set_segment(place, edges, ways, cut, part):
     """Set place and half the length of the part of a line in a cell beside; its share."""
     low, high = -1.0, 1.0
     for d in range(2):
-        e, (below, above) = edges[0, d], _reaches(place, edges, d)
+        e = edges[0, d]
         if e == 0.0:
             continue
-        if ways[d] > 0.0 or (ways[d] == 0.0 and below):
+        if ways[d] > 0.0 or (ways[d] == 0.0 and cut >> 2 * d & 1):
             t = ((1.0 if ways[d] > 0.0 else 0.0) - place[d]) / e
             if e > 0.0:
                 low = max(low, t)
             else:
                 high = min(high, t)
-        if ways[d] < 0.0 or (ways[d] == 0.0 and above):
+        if ways[d] < 0.0 or (ways[d] == 0.0 and cut >> 2 * d & 2):
             t = ((0.0 if ways[d] < 0.0 else 1.0) - place[d]) / e
             if e > 0.0:
                 high = min(high, t)
@@ -147,80 +172,73 @@ def _set_segment(place, edges, ways, part):
 
 
 @inner_kernel
-def _meets(D, place, edges, d):
+def _meets(place, edges, cut, d):
     """Bits of where a parallelogram reaches along `d`: below a cell, in it, above it."""
-    if d >= D:
-        return 2
-    reach, found = abs(edges[0, d]) + abs(edges[1, d]), 0
-    below, above = _reaches(place, edges, d)
-    if below:
-        found |= 1
-    if not (below and place[d] + reach <= 0.0) and not (above and place[d] - reach >= 1.0):
+    reach, cut = abs(edges[0, d]) + abs(edges[1, d]), cut >> 2 * d & 3
+    found = cut & 1 | (cut & 2) << 1
+    if not (cut & 1 and place[d] + reach <= 0.0) and not (cut & 2 and place[d] - reach >= 1.0):
         found |= 2
-    if above:
-        found |= 4
     return found
 
 
 @inner_kernel
-def _find_pieces(D, cells, c, place, edges, pieces):
-    """Find the pieces of a parallelogram in a cell and in those beside it; how many there are.
+def find_pieces(D, cells, c, near, pieces):
+    """Find the pieces of a facet in its cell and in those beside it; how many there are.
 
-    Cells that are not known count as the one at hand, continued.
+    See `spread_weights`. Cells that are not known count as the one at hand, continued.
     """
-    number, hats, scratch, ways = pieces
-    inside, whole, size, found = True, 0.0, 0.0, 0
+    number, hats, place, edges = pieces[0], pieces[1], near.place, near.edges
+    cut, known, whole, size, found = 0, 0, 0.0, 0.0, 0
     for d in range(D):
-        reach = abs(edges[0, d]) + abs(edges[1, d]) - _REACHES
-        inside = inside and place[d] >= reach and place[d] <= 1.0 - reach
+        cut |= _reaches(place, edges, d) << 2 * d
     for d in range(3):
         e, f = (d + 1) % 3, (d + 2) % 3
         whole += (edges[0, e] * edges[1, f] - edges[0, f] * edges[1, e]) ** 2
         size += abs(edges[0, d]) + abs(edges[1, d])
-        ways[d] = 0.0
-    if inside or D == 1 or size == 0.0 or (D == 3 and whole == 0.0):
+        for side in range(2):
+            if cut >> (2 * d + side) & 1 and _known(cells, c, cut, d, side):
+                known |= 1 << (2 * d + side)
+    if known == 0 or D == 1 or size == 0.0 or (D == 3 and whole == 0.0):
         number[0] = c
         set_means(D, place, edges, hats[0])
         return 1
-    whole = 4.0 * sqrt(whole)
-    x, y, z = _meets(D, place, edges, 0), _meets(D, place, edges, 1), _meets(D, place, edges, 2)
-    for way in range(27):
-        there = way % 3, way // 3 % 3, way // 9
-        if not (x >> there[0] & 1 and y >> there[1] & 1 and z >> there[2] & 1):
-            continue
-        cell = c
-        for d in range(D):
-            ways[d] = there[d] - 1.0
-            if there[d] != 1:
-                cell = cells.beside[cell, 2 * d + there[d] // 2] if cell >= 0 else -1
-        own = hats[found]
-        if D == 2:
-            share = _set_segment(place, edges, ways, scratch[0])
-            for d in range(2):
-                scratch[0, 0, d] -= ways[d] if cell >= 0 else 0.0
-            set_means(D, scratch[0, 0], scratch[0, 1:3], own)
-            for corner in range(1 << D):
-                own[corner] *= share
-        else:
-            count = _set_polygon(place, edges, ways, scratch)
-            for d in range(3):
-                ways[d] = ways[d] if cell >= 0 else 0.0
-            for corner in range(1 << D):
-                own[corner] = 0.0
-            _add_polygon(scratch, count, whole, ways, own)
-        number[found] = cell if cell >= 0 else c
-        found += 1
+    x, y, z = (_meets(place, edges, known, 0), _meets(place, edges, known, 1), 2)
+    if D == 3:
+        z = _meets(place, edges, known, 2)
+    for k in range(3):
+        for j in range(3 if z >> k & 1 else 0):
+            for i in range(3 if y >> j & 1 else 0):
+                if x >> i & 1:
+                    at = (i, j, k), found
+                    _add_piece(D, cells, c, near, (known, 4.0 * sqrt(whole)), at, pieces)
+                    found += 1
     return found
 
 
 @inner_kernel
-def _slope(D, place, corner, axis):
-    """Derivative of `hat` along an axis."""
-    w = 1.0 if corner >> (D - 1 - axis) & 1 else -1.0
-    for d in range(D):
-        if d != axis:
-            w *= place[d] if corner >> (D - 1 - d) & 1 else 1.0 - place[d]
-    return w
+def _add_piece(D, cells, c, near, sizes, at, pieces):
+    """Add the piece of a facet in its cell, or in one beside it, see `_meets`.
+
+    `sizes` are the sides on which it is cut, and its area; `at` the cell, and the pieces so far.
+    """
+    (number, every, scratch, ways), (cut, whole), (there, found), cell = pieces, sizes, at, c
+    for d in range(3):
+        ways[d] = there[d] - 1.0
+        if there[d] != 1:
+            cell = cells.beside[cell, 2 * d + there[d] // 2] if cell >= 0 else -1
+    number[found], hats = cell if cell >= 0 else c, every[found]
+    if D == 2:
+        share = _set_segment(near.place, near.edges, ways, cut, scratch[0])
+        for d in range(2):
+            scratch[0, 0, d] -= ways[d] if cell >= 0 else 0.0
+        set_means(D, scratch[0, 0], scratch[0, 1:3], hats)
+        for corner in range(1 << D):
+            hats[corner] *= share
+    else:
+        count = _set_polygon(near.place, near.edges, ways, cut, scratch)
+        for d in range(3):
+            ways[d] = ways[d] if cell >= 0 else 0.0
+        _set_polygon_means(scratch, count, whole, ways, hats)
 
 
 @inner_kernel
@@ -241,21 +259,27 @@ def spread_weights(D, cells, c, near, pieces):
     int
         How many there are.
     """
-    number, hats = pieces[0], pieces[1]
-    count = _find_pieces(D, cells, c, near.place, near.edges, pieces)
-    number[count] = c
-    set_offset(D, near, hats[count])
-    return count + 1
+    return add_offset(D, c, near, pieces, find_pieces(D, cells, c, near, pieces))
 
 
 @inner_kernel
-def set_offset(D, near, hats):
-    """Set what a facet's offset adds to the weights of the cell with its centroid."""
-    for corner in range(1 << D):
-        w = 0.0
-        for d in range(D):
-            w += near.offset[d] * _slope(D, near.place, corner, d)
-        hats[corner] = w
+def add_offset(D, c, near, pieces, count):
+    """Add what a facet's offset adds to the weights of the cell with its centroid; the new count.
+
+    It is the derivative of weights along the offset.
+    """
+    hats, x, o = pieces[1][count], near.place, near.offset
+    pieces[0][count], hats[0] = c, 0.0
+    for d in range(D):
+        hats[1 << (D - 1 - d)] = o[d]
+    if D == 2:
+        hats[3] = o[0] * x[1] + x[0] * o[1]
+    if D == 3:
+        hats[3], hats[5] = o[1] * x[2] + x[1] * o[2], o[0] * x[2] + x[0] * o[2]
+        hats[6] = o[0] * x[1] + x[0] * o[1]
+        hats[7] = o[0] * x[1] * x[2] + x[0] * hats[3]
+    set_hats(D, hats)
+    return count + 1
 
 
 @inner_kernel
@@ -280,11 +304,13 @@ def mean_position(frame, cells, u, pieces, count, x):
     for d in range(3):
         x[d] = 0.0
     for n in range(count):
-        c = number[n]
+        c, whole, way = number[n], 0.0, vector(0.0)
         for corner in range(1 << D):
-            w, v = hats[n, corner], cells.corners[c, corner]
-            for d in range(3):
-                at = cells.low[c, d] + u[v, d]
-                if d < D:
-                    at += frame.cell[d] * (corner >> (D - 1 - d) & 1)
-                x[d] += w * at
+            way = hats[n, corner] * load_row(u, cells.corners[c, corner], 0) + way
+            whole += hats[n, corner]
+        for d in range(D):
+            above = 0.0
+            for corner in range(1 << D):
+                above += hats[n, corner] if corner >> (D - 1 - d) & 1 else 0.0
+            x[d] += whole * cells.low[c, d] + frame.cell[d] * above
+        x[0], x[1], x[2] = x[0] + lane(way, 0), x[1] + lane(way, 1), x[2] + lane(way, 2)

@@ -116,6 +116,6 @@ def _floors(case: Case, bodies: Sequence[BodyFacts], g: np.ndarray, name: str) -
     if min(gaps) <= _AT * cell and open_sides:
         yield (
             f"boundaries.{face}: a fixed floor holds the lowest vertices, so that '{name}' shears "
-            "in the lowest row of cells and runs out farther; as a floor take {separating: "
+            "in the lowest row of cells and runs out farther; as a floor take {unilateral: "
             "{friction: ..}} with the tangent of its angle"
         )

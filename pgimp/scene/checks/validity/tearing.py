@@ -60,7 +60,7 @@ def tearing_stretch(case: Case, name: str) -> tuple[float, float] | None:
         A body of a material.
     """
     body = case.bodies[name]
-    if body.configuration != "current" or flows(case.materials[body.material]):
+    if body.formulation != "updated-lagrangian" or flows(case.materials[body.material]):
         return None
     method = case.method
     known = _JOINED_TORE if method.ends else _WIDE_TORE if method.wide else _TORE
@@ -70,7 +70,7 @@ def tearing_stretch(case: Case, name: str) -> tuple[float, float] | None:
 def advice(case: Case, name: str) -> str:
     """What keeps a body from tearing, and the page with the figures."""
     elastic = case.materials[case.bodies[name].material].ELASTIC
-    ways = ["configuration: initial, which never tears"] if elastic else []
+    ways = ["formulation: total-lagrangian, which never tears"] if elastic else []
     ways += [] if case.method.ends else ["method.shape: cpdi, to nearly 3 times"]
     ways += ["more particles a cell along the stretch"]
     return f"take {'; or '.join(ways)} ({page('hard-cases.md#reasons')})"

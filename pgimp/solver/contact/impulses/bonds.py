@@ -62,7 +62,7 @@ def bonded(
 ) -> tuple[tuple[int, ...], np.ndarray]:
     """Fields and groups of bodies by their initial boxes, in cells.
 
-    Bodies under the law `tied` with common vertices there are one group. Others with common
+    Bodies under the law `tie` with common vertices there are one group. Others with common
     vertices have different fields, as few as possible; so have those up to `beyond` cells farther
     apart, where a vertex may be the slave of a cell some cells away. Bodies in the current
     configuration (not `lagrangian`) move over the grid: tied ones are one group, and each group has

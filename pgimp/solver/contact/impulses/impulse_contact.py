@@ -14,7 +14,7 @@ from pgimp.kernels.contact.impulses.coupling import Coupling
 from pgimp.kernels.contact.impulses.pairs import ContactPairs
 from pgimp.kernels.contact.impulses.reference_grid import NUMBERS, Changes, ReferenceVertices
 from pgimp.kernels.contact.impulses.rows import Solved, begin_solution
-from pgimp.kernels.contact.surfaces.groups import PREPARED, find_changed, solve_groups
+from pgimp.kernels.contact.surfaces.groups import find_changed, solve_groups
 from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
@@ -24,6 +24,7 @@ from pgimp.solver.contact.free_bodies import FreeBodies
 from pgimp.solver.contact.impulses.bonds import bonded, separating_walls, with_walls
 from pgimp.solver.contact.impulses.joint import Joint
 from pgimp.solver.contact.impulses.kept_forces import KeptForces
+from pgimp.solver.contact.impulses.room import Room
 from pgimp.solver.lagrangian.masters import REACH as MASTERS_AWAY
 from pgimp.solver.rank_state import RankState
 
@@ -65,7 +66,7 @@ class ImpulseContact(NoContact):
             self.pairs, np.empty(0), 1, self.bodies + 1, len(scene.domain.faces), rigid_bodies
         )
         self.free = FreeBodies(scene, comm) if scene.interaction.rigid_bodies.free else None
-        self._warm_start = KeptForces(comm)
+        self._warm_start, self._room = KeptForces(comm), Room()
         self._dt, self.sweeps, self._accuracy = 0.0, 0, ACCURACY
 
     @property
@@ -113,7 +114,8 @@ class ImpulseContact(NoContact):
         """Solve for the impulses of pairs, and book them."""
         call = self.call
         pairs, coupling, known = joint
-        vertices, solved = flat(known.values), Solved.empty(len(known.values), coupling)
+        vertices = flat(known.values)
+        solved = self._room.solved(len(vertices), coupling)
         call(begin_solution, free.frame, vertices, coupling, solved)
         self._sweep(free, pairs, coupling, solved)
         self._warm_start.keep(pairs, coupling, solved, vertices, self._dt)
@@ -142,9 +144,9 @@ class ImpulseContact(NoContact):
     ) -> None:  # fmt: skip
         """Solve for the impulses of groups of pairs, see `solve_groups`."""
         count = len(pairs[0].ends)
-        scratch = np.empty((2, count, 4)), np.empty((count, PREPARED))
+        prepared = self._room.prepared(count)
         self.sweeps = self.call(
-            solve_groups, self._contact, free, pairs, coupling, solved, scratch, self._accuracy
+            solve_groups, self._contact, free, pairs, coupling, solved, prepared, self._accuracy
         )
 
     def _book(

@@ -20,8 +20,9 @@ from pgimp.physics.contact.pairs import Pairs
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.impulses.impulse_contact import ImpulseContact
 from pgimp.solver.contact.impulses.joint import Joint, merged
+from pgimp.solver.contact.impulses.room import Room
 from pgimp.solver.contact.surfaces.at_vertices import ContactAtVertices
-from pgimp.solver.contact.surfaces.contact import Room, SurfaceContact
+from pgimp.solver.contact.surfaces.contact import SurfaceContact
 from pgimp.solver.contact.surfaces.material import NearMaterial
 from pgimp.solver.contact.surfaces.table import Table
 from pgimp.solver.rank_state import RankState

@@ -29,7 +29,7 @@ from pgimp.kernels.contact.surfaces.levels import TOUCHES
 from pgimp.kernels.contact.surfaces.loads import add_loads
 from pgimp.kernels.contact.surfaces.motion import move_facets, read_vertices
 from pgimp.kernels.contact.surfaces.rows import PARTS, find_patch_pairs
-from pgimp.kernels.contact.surfaces.soft import LEAST_AREA, apply_impulses, soften
+from pgimp.kernels.contact.surfaces.soft import LEAST_AREA, solve_softly
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
@@ -37,6 +37,7 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.contact.base import NoContact
 from pgimp.solver.contact.impulses.impulse_contact import ImpulseContact, flat, nothing_held
 from pgimp.solver.contact.impulses.joint import Joint
+from pgimp.solver.contact.impulses.room import Room
 from pgimp.solver.contact.surfaces.groups import (
     Grouped,
     add_books,
@@ -68,7 +69,7 @@ class SurfaceContact(ImpulseContact):
         self._table: Table | None = None
         self._slaves: object = None
         self._acts = np.zeros((0, 0), np.uint8)
-        self._rate, self._room = 0.0, Room()
+        self._rate, self._deepest = 0.0, -1
         cell = scene.domain.frame.cell
         lengths = PARTS * min(cell), TOUCHES * min(cell)
         self._sizes = LEAST_AREA * min(cell) ** (len(cell) - 1), *lengths
@@ -226,7 +227,7 @@ class SurfaceContact(ImpulseContact):
         step = dt, self._warm_start.kept
         vertices = ReferenceVertices(share.keys, values)
         joint = self._pairs(surface, cells, (every, patches), vertices, step, self._room)
-        self._depth.note(every, surface, update.t.start)
+        self._depth.note(every, self._deepest, surface, update.t.start)
         return joint
 
     def _act(self, rank: RankState, update: VertexUpdate, joint: Joint | None) -> None:
@@ -270,18 +271,13 @@ class SurfaceContact(ImpulseContact):
 
         Neighbouring patches have some compliance in them.
         """
-        contact, call, count = self._contact, self.call, len(pairs.ends)
-        compliant = coupling._replace(answer=coupling.answer.copy())
-        softened = Solved(*(part.copy() for part in solved))
-        softened = softened._replace(soft=np.zeros_like(coupling.answer))
-        scratch = np.zeros(solved.velocity.shape), np.zeros((count, 3)), np.zeros(count)
-        sizes, kept = (self._dt, *self._sizes), self._warm_start.kept
-        call(soften, contact, kept, pairs, compliant, softened, sizes, scratch)
-        self._warm_start.begin(contact, pairs, compliant, softened, self._dt)
         assert self._by_group is not None
         order, first, *_ = self._by_group
-        self._solve_groups(free, (pairs, order, first), compliant, softened)
-        call(apply_impulses, pairs, coupling, solved)
+        room = self._room.soft(len(solved.velocity), len(pairs.ends), coupling)
+        self.sweeps = self.call(
+            solve_softly, self._contact, free, self._warm_start.kept, (pairs, order, first),
+            coupling, solved, room, ((self._dt, *self._sizes), self._accuracy),
+        )  # fmt: skip
 
     def _book(
         self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved,
@@ -310,42 +306,15 @@ class SurfaceContact(ImpulseContact):
         `near` are facets near others, and their patches; `step` has its length, and kept forces.
         """
         call, frame, (keys, values) = self.call, self.scene.domain.frame, reference
-        seen, sums = np.empty((2, len(keys)), np.int64), np.empty(2 ** len(frame.cell))
-        scratch = flat(values), seen, sums, *self._proximity.scratch[-2:]
-        (every, _), used = near, room.entries + 1
+        (every, _), used = near, 0
+        gathering = room.gathering(len(keys), len(every), len(frame.cell))
+        scratch = flat(values), *gathering, *self._proximity.scratch[-2:]
         self._every = every
-        while used > room.entries:
-            room.grow(len(every), used if used > room.entries + 1 else 0)
-            found, rows, used = call(
+        while True:
+            found, rows, used, self._deepest = call(
                 find_patch_pairs, self._contact, frame, surface, cells, near, step, scratch,
-                (room.pairs, room.coupling),
+                room.found(len(every), used),
             )  # fmt: skip
+            if used <= room.entries:
+                break
         return Joint(*room.filled(found, rows, used), reference)
-
-
-class Room:
-    """Room for pairs and their rows, which grows."""
-
-    def __init__(self) -> None:
-        self.pairs, self.entries = ContactPairs.empty(0), 0
-        self._make(0, 0)
-
-    def _make(self, pairs: int, entries: int) -> None:
-        """Allocate for the rows of so many pairs, with so many entries."""
-        self.entries, rows = entries, 2 * pairs
-        self.coupling = Coupling.empty(rows, entries)
-
-    def grow(self, pairs: int, entries: int) -> None:
-        """Have room for at least so many pairs and entries."""
-        if pairs > len(self.pairs.ends):
-            self.pairs = ContactPairs.empty(pairs + pairs // 4)
-            self._make(len(self.pairs.ends), max(self.entries, 8 * pairs))
-        if entries > self.entries:
-            self._make(len(self.pairs.ends), entries + entries // 4)
-
-    def filled(self, pairs: int, rows: int, entries: int) -> tuple[ContactPairs, Coupling]:
-        """What is filled, without a copy."""
-        start, column, entry, answer = self.coupling
-        return ContactPairs(*(part[:pairs] for part in self.pairs)), Coupling(
-            start[: rows + 1], column[:entries], entry[:entries], answer[:rows]
-        )

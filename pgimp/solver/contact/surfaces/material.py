@@ -37,16 +37,13 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.grown import grown
 from pgimp.solver.contact.impulses.messages import greatest, united
-from pgimp.solver.contact.surfaces.proximity import LONGEST, Proximity
+from pgimp.solver.contact.surfaces.proximity import LONGEST, TRAVEL, Proximity
 from pgimp.solver.contact.surfaces.shares import Near, select
 from pgimp.solver.contact.surfaces.table import Table, bits_of, records_of
 from pgimp.solver.rank_state import RankState
 
 #: Farther than any bin or vertex.
 FAR = 1 << 40
-
-#: Cells by which bodies and material may move until the next search.
-TRAVEL = 0.25
 
 #: Cells from a facet within which particles count, and how far vertices that move a place are.
 _WITHIN, _AWAY = 2.0, 2 + int(STEP * TRIES)

@@ -242,14 +242,11 @@ class Depth:
         self._told: set[tuple[int, int]] = set()
         self._found: list[tuple] = []  # gap, bodies, time and place
 
-    def note(self, every: np.ndarray, surface: Surface, time: float) -> None:
-        """Note the deepest facet of a step, given those near others with their gaps."""
-        gap = every["gap"]
+    def note(self, every: np.ndarray, deepest: int, surface: Surface, time: float) -> None:
+        """Note the deepest facet of a step, of those near others; below 0 there is none."""
         least = self._found[0][0] if self._found else -MOST * self._cell
-        if not gap.min(initial=0.0) < least:
-            return
-        at = every[int(np.where(every["side"] >= 0, gap, np.inf).argmin())]
-        if at["gap"] < least and at["side"] >= 0:
+        if 0 <= deepest < len(every) and every["gap"][deepest] < least:
+            at = every[deepest]
             a, facet = int(at["body"]), int(at["facet"])
             place = tuple(surface.now[facet, : self._D].tolist())
             self._found = [(float(at["gap"]), int(surface.body[facet]), a, time, place)]

@@ -33,7 +33,7 @@ from pgimp.solver.rank_state import RankState
 
 #: Cells by which each body may move until the next search, at most, and the most steps until it
 #: looks how far they have moved.
-TRAVEL, LONGEST = 0.5, 16
+TRAVEL, LONGEST = 0.25, 16
 
 #: Cells by which it may move at least, and else the way in so many times that number of steps.
 _LEAST, _AHEAD = 0.02, 2.0

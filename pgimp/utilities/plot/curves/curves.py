@@ -11,6 +11,7 @@ import numpy as np
 
 from pgimp.errors import UsageError
 from pgimp.schema.messages import unknown
+from pgimp.schema.words.renamed import new_column
 from pgimp.utilities.plot.curves.bands import bands
 from pgimp.utilities.plot.curves.changes import Changes, axis_label, times
 from pgimp.utilities.plot.curves.series import Series, open_series
@@ -29,7 +30,7 @@ Array = np.ndarray
 
 _ALWAYS = ("kinetic-energy", "strain-energy")
 _IF_ANY = r"(external|plastic|viscous)-work|error(\..*)?"
-_FORCE = re.compile(r"((?:reaction|constraint)\..*|tool\..*\.force)-[xyz]")
+_FORCE = re.compile(r"((?:reaction|constraint)\..*|rigid\..*\.force)-[xyz]")
 _OF_A_PROBE = r"(displacement|velocity)-[xyz]|pressure|von-mises"
 _PATTERN = re.compile(r"[*?\[]")
 _MOST_COLUMNS = 24
@@ -87,6 +88,8 @@ def curves(
         If there is no history or probe to draw, or none has such a column.
     """
     series = open_series(runs, probes)
+    columns, across = [*map(new_column, columns)], new_column(across)
+    changes = changes._replace(over=new_column(changes.over))
     for one in series:
         for option, name in (("--x", across), ("--over", changes.over or across)):
             if name not in one.columns:

@@ -8,10 +8,10 @@ def own_force(rng, scene):
     most, wave = 0.05 * scene.speed**2 / max(scene.cells), number(rng, 0.1, 1.0)
     strength = {"strength": 0.1 * number(rng, -most, most), "rate": number(rng, 0, 6) / scene.end}
     if rng.kind.random() < 0.5:
-        scene.case["body_force"] = {"function": "pulling", "parameters": strength}
+        scene.case["body-force"] = {"function": "pulling", "parameters": strength}
         return
     more = {"drag": number(rng, 0.0, 1.0) / scene.end, "wave": wave}
-    scene.case["body_force"] = {"function": "swaying", "parameters": strength | more}
+    scene.case["body-force"] = {"function": "swaying", "parameters": strength | more}
 
 
 def own_velocity(rng, scene):
@@ -33,7 +33,7 @@ def own_motion(rng, scene):
         name: entry for name, entry in case.get("constraints", {}).items()
         if not (entry.get("force") or entry.get("rotation") or name in case.get("inflow", {}))
     }  # fmt: skip
-    settles = any("settle" in stage for stage in (case.get("start") or {}, *stages))
+    settles = any("equilibrate" in stage for stage in (case.get("start") or {}, *stages))
     if not grips or periodic or settles:
         return False
     for name, entry in grips.items():
@@ -53,7 +53,7 @@ def own_stress(rng, scene):
         case.get("start")
         or case.get("geometry") == "plane-stress"
         or any(
-            body.get("configuration") or "points" in body.get("region", {})
+            body.get("formulation") or "points" in body.get("region", {})
             for body in case["bodies"].values()
         )
     ):

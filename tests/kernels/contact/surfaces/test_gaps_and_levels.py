@@ -7,7 +7,7 @@ import pytest
 
 from pgimp.jit.kernel import kernel
 from pgimp.kernels.contact.surfaces.data import Surface, no_facets
-from pgimp.kernels.contact.surfaces.levels import level
+from pgimp.kernels.contact.surfaces.levels import GATHERED, NUMBERED, gather, level
 from pgimp.kernels.contact.surfaces.nearest import next_facet
 from pgimp.kernels.contact.surfaces.pressed import facing_part
 
@@ -30,19 +30,27 @@ def surface_of(x, normal, area, body, beside=None):
 
 
 @kernel
-def _levels(surface, every, least, width, found):
+def _levels(surface, every, own, numbers, width, found):
     for n in range(len(every)):
         same = 0.0
         for d in range(3):
             same += surface.turned[every[n].facet, d] * every[n].normal[d]
         every[n].facing = facing_part(same) if every[n].gap < inf else 0.0
         found[1 + n] = every[n].facing
-    found[0] = level(surface, every, 0, len(every), 0, least, width)
+    count, whole, deepest = gather(surface, (every, 0, len(every)), 0, own, numbers)
+    found[0] = level(own, count, whole, every[deepest].gap, width)
 
 
 @kernel
 def _next(D, surface, s, cell, f, found):
     found[0] = next_facet(D, surface, s, cell, f)
+
+
+def levels(surface, every, found):
+    """Set the level of all facets, and the parts of them that face the other body."""
+    room = len(every) + 3
+    own, numbers = np.empty((GATHERED, room)), np.empty((NUMBERED, room), np.int64)
+    _levels(surface, every, own, numbers, WIDTH, found)
 
 
 def unit(v):
@@ -62,7 +70,7 @@ def test_levels_solve_their_equation(spread):
     every["gap"][4] = np.inf
     every["side"] = np.where(np.isfinite(every["gap"]), 0, -1)
     found = np.empty(1 + n)
-    _levels(surface, every, every["gap"].min(), WIDTH, found)
+    levels(surface, every, found)
     cosine = np.maximum(0.0, -normal[:, 1])
     there = np.isfinite(every["gap"])
     weight = np.where(there, cosine**8, 0.0)
@@ -89,7 +97,7 @@ def test_parallel_faces_have_their_gap():
     for beyond in (0, 3, 5):
         every["gap"][:beyond] = np.inf
         every["side"] = np.where(np.isfinite(every["gap"]), 0, -1)
-        _levels(surface, every, 0.07, WIDTH, found)
+        levels(surface, every, found)
         assert found[0] == pytest.approx(0.07 + WIDTH, rel=1e-12)
 
 

@@ -5,19 +5,30 @@ import pytest
 
 from pgimp.jit.kernel import kernel
 from pgimp.kernels.contact.surfaces.data import Surface, no_facets
+from pgimp.kernels.contact.surfaces.levels import GATHERED, NUMBERED, WEIGHT, gather
 from pgimp.kernels.contact.surfaces.loads import _find_pressure
 from pgimp.kernels.contact.surfaces.pressed import pressed_area, pressing
 
 
 @kernel
-def _press(surface, every, place, found):
-    found[4] = pressed_area(surface, every, 0, len(every), 0, 0.0, 1.0)
+def _press(surface, every, weights, own, numbers, place, found):
+    count, _, _ = gather(surface, (every, 0, len(every)), 0, own, numbers)
+    for n in range(count):
+        own[WEIGHT, n] = weights[n]
+    found[4] = pressed_area(surface, own, numbers, count, 0.0, 1.0)
     for n in range(len(every)):
         every[n].weight = pressing(surface, every[n], 0, 0.0, 1.0)
     group = (every, 0, len(every))
     tangents = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
     a, b, c, good = _find_pressure(surface, group, place, tangents, 1.0)
     found[0], found[1], found[2], found[3] = a, b, c, 1.0 if good else 0.0
+
+
+def press(surface, every, place, found):
+    """Set the pressure on the facets of a patch, and the area that presses."""
+    room = len(every) + 3
+    own, numbers = np.empty((GATHERED, room)), np.empty((NUMBERED, room), np.int64)
+    _press(surface, every, every["weight"].copy(), own, numbers, place, found)
 
 
 def patch(columns, rows):
@@ -52,7 +63,7 @@ def test_force_and_moment_without_tension(shape, place):
     # Weights of four facets that have the place.
     near = np.argsort(((surface.x - place) ** 2).sum(axis=1))[:1]
     every["weight"][near] = 1.0
-    _press(surface, every, place, found)
+    press(surface, every, place, found)
     assert found[3] == 1.0
     xi = surface.x - place
     force = surface.area * np.maximum(0.0, found[0] + found[1] * xi[:, 0] + found[2] * xi[:, 1])
@@ -67,5 +78,5 @@ def test_a_force_beyond_the_middle_third_presses_on_three_times_its_distance(at,
     every["weight"] = np.abs(surface.x[:, 0] - at) < 0.0011
     every["weight"] /= every["weight"].sum()
     found = np.empty(5)
-    _press(surface, every, np.array([at, 0.5, 0.0]), found)
+    press(surface, every, np.array([at, 0.5, 0.0]), found)
     assert found[4] == pytest.approx(part, abs=2e-3)

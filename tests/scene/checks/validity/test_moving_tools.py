@@ -16,7 +16,7 @@ format: 1
 units: m, kg, s
 dimensions: 2
 grid: {{size: [9.0, 6.0], cell: [0.25, 0.25]}}
-method: {{shape: gimp, particles_per_cell: [2, 2], volumetric: mean}}
+method: {{shape: gimp, particles-per-cell: [2, 2], volumetric: b-bar}}
 time: {{end: {end}, step: {{courant: 0.3}}, mass-scaling: {scaling}}}
 materials:
   soil: {{model: mohr-coulomb, young: 20.0e6, poisson: 0.3, density: {density}, cohesion: 20.0e3,

@@ -12,7 +12,7 @@ BAR = """
 format: 1
 dimensions: 2
 grid: {{size: [4.6, 1.0], cell: [0.1, 0.1]}}
-method: {{shape: {shape}, particles_per_cell: [{n}, 2]}}
+method: {{shape: {shape}, particles-per-cell: [{n}, 2]}}
 time: {{end: 2.2, step: {{courant: 0.3}}{stages}}}
 materials: {{m: {{model: {law}, young: 1.0e+6, poisson: 0.3, density: 1000.0}}}}
 bodies:
@@ -47,7 +47,9 @@ def test_a_bar_that_is_pulled_to_twice_its_length():
     assert one.way == pytest.approx(2.0) and one.length == pytest.approx(1.9)
     assert one.strain == pytest.approx(2.0 / 1.9)
     assert (one.time, one.axis, one.between) == (2.2, 0, ("constraint grip", "x-min"))
-    mentions(text, "constraints.grip", "'bar'", "x-min", "2.05 times", "configuration: initial")
+    mentions(
+        text, "constraints.grip", "'bar'", "x-min", "2.05 times", "formulation: total-lagrangian"
+    )
     mentions(text, "gimp and 2 particles", "1.6 times", "cpdi", "more particles")
 
 
@@ -92,7 +94,7 @@ def test_stages_add_up_and_return():
 
 def test_two_grips_pull_between_them():
     more = "  left: {body: bar, region: {box: {min: [0.0, 0.0], max: [0.2, 1.0]}}, "
-    (one,) = pulled(more=more + "velocity: [-0.1, 0.0]}", wall="{separating: {}}")[0]
+    (one,) = pulled(more=more + "velocity: [-0.1, 0.0]}", wall="{unilateral: {}}")[0]
     assert one.way == pytest.approx(2.0 + 0.22, rel=1e-6) and one.length == pytest.approx(1.7)
     assert one.between == ("constraint grip", "constraint left")
 
@@ -100,12 +102,12 @@ def test_two_grips_pull_between_them():
 @pytest.mark.parametrize(
     "parts",
     [
-        {"configuration": "initial"},
+        {"formulation": "initial"},
         {"shape": "cpdi"},
         {"shape": "bspline-cubic", "n": 3, "velocity": "[0.4, null]"},
         {"velocity": "[0.4, null]"},  # to 1.46 of its length
         {"law": SOIL},
-        {"wall": "separating"},  # it lets go
+        {"wall": "unilateral"},  # it lets go
     ],
 )
 def test_what_does_not_tear(parts):

@@ -14,7 +14,7 @@ HEAP = """
 format: 1
 dimensions: 2
 grid: {{size: [12.0, 6.0], cell: [1.0, 1.0]}}
-method: {{shape: gimp, particles_per_cell: [2, 2]}}
+method: {{shape: gimp, particles-per-cell: [2, 2]}}
 time: {{end: 1.0, step: {{courant: 0.3}}}}
 materials: {{sand: {law}}}
 bodies: {{heap: {{material: sand, region: {{box: {{min: [4.0, 0.0], max: [8.0, 3.0]}}}}}}}}
@@ -120,12 +120,12 @@ def test_nothing_of_soil_that_stands_or_has_no_weight():
     assert told(c=1.0e3) == [] and told(gravity=0.0) == []
 
 
-@pytest.mark.parametrize(("floor", "said"), [("fixed", 2), ("{separating: {friction: 0.6}}", 1)])
+@pytest.mark.parametrize(("floor", "said"), [("fixed", 2), ("{unilateral: {friction: 0.6}}", 1)])
 def test_a_fixed_floor(floor, said):
     lines = told(floor=floor)
     assert len(lines) == said
     if said == 2:
-        mentions(lines[1], "boundaries.y-min", "separating", "friction", "'sand'")
+        mentions(lines[1], "boundaries.y-min", "unilateral", "friction", "'sand'")
 
 
 def test_grains_creep():

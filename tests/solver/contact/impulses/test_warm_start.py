@@ -16,13 +16,13 @@ from pgimp.solver.simulation import Simulation
 
 def pressed(end=3.0, **parts):
     """A block that a ram presses on a floor, from rest."""
-    block = box([2.0, 0.0], [6.0, 3.0]) | {"configuration": "initial"}
+    block = box([2.0, 0.0], [6.0, 3.0]) | {"formulation": "total-lagrangian"}
     ram = {"rigid": {"velocity": [0.0, -0.1]},
            "region": {"box": {"min": [0.0, 3.0], "max": [8.0, 6.0]}}}  # fmt: skip
     return scene(
         2, {"block": block, "ram": ram}, cells=[8, 8], end=end, step={"courant": 0.3},
         materials={"soft": SOFT | {"young": 1000.0}}, gravity=[0.0, -1.0],
-        boundaries={"y-min": {"separating": {"friction": 0.3}}},
+        boundaries={"y-min": {"unilateral": {"friction": 0.3}}},
         contact=[{"bodies": "all", "friction": 0.3}],
     ) | parts  # fmt: skip
 

@@ -14,7 +14,7 @@ def blocks(idle, **parts):
     bodies = {
         "a": box([2.1, 1.3], [5.1, 3.9], [0.3, 0.1]),
         "b": box([5.17, 1.0], [8.6, 4.2], [-0.3, -0.1]),
-        "idle": box([11.0, 6.0], [13.0, 7.0]) | {"configuration": idle},
+        "idle": box([11.0, 6.0], [13.0, 7.0]) | {"formulation": idle},
     }
     return scene(2, bodies, cells=[14, 8], step={"courant": 0.3},
                  materials={"soft": SOFT | {"young": 1000.0}},
@@ -88,7 +88,7 @@ def test_blocks_rest_on_a_wall_that_lets_go():
     At vertices a narrow block, of a cell and a half, stands by a part of that gap before the wall.
     """
     case = blocks("initial", end=8.0, gravity=[0.0, -1.0], damping={"mass": 3.0},
-                  boundaries={"y-min": {"separating": {"friction": 0.2}}})  # fmt: skip
+                  boundaries={"y-min": {"unilateral": {"friction": 0.2}}})  # fmt: skip
     case["bodies"] |= {"a": box([2.1, 0.02], [5.1, 3.9]), "b": box([8.1, 0.02], [9.6, 2.2])}
     sim = start(case)
     while sim.time < 7.0:

@@ -13,7 +13,7 @@ def bars(speed, moving):
     v, V = speed * WAVE, moving * WAVE
     end = 0.5 * APART / v + 2.3 * CELLS / WAVE
     bodies = {
-        "a": box([3.0], [3.0 + CELLS], [V + v]) | {"configuration": "initial"},
+        "a": box([3.0], [3.0 + CELLS], [V + v]) | {"formulation": "total-lagrangian"},
         "b": box([3.0 + CELLS + APART], [3.0 + 2 * CELLS + APART], [V - v]),
     }
     cells = int(2 * CELLS + 12 + V * end)

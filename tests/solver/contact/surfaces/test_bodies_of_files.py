@@ -39,7 +39,7 @@ def thrown(folder, *stages):
     square = {"material": "soft", "region": {"mesh": {"file": "square.msh"}}}
     square |= {"velocity": [0.0, -3.0]}
     bodies = {"square": square, "low": box([2.1, 2.2], [8.0, 5.1])}
-    bodies = {name: body | {"configuration": "initial"} for name, body in bodies.items()}
+    bodies = {name: body | {"formulation": "total-lagrangian"} for name, body in bodies.items()}
     case = scene(2, bodies, cells=[11, 12], materials={"soft": SOFT}, end=0.6,
                  step={"courant": 0.3}, contact=[{"bodies": "all"}],
                  history={"every": {"steps": 1}}, output={"every": 0.2},

@@ -29,7 +29,7 @@ def from_file(path, x, volume):
 
 
 def initial(region, **more):
-    return {"material": "soft", "configuration": "initial", "region": region} | more
+    return {"material": "soft", "formulation": "total-lagrangian", "region": region} | more
 
 
 def box(low, high):

@@ -12,7 +12,7 @@ TOP = {"of": [0.0, 1.0]}
 
 def exact(region, **more):
     """A body in the initial configuration, exact to its surface."""
-    body = {"material": "soft", "region": region, "configuration": "initial"}
+    body = {"material": "soft", "region": region, "formulation": "total-lagrangian"}
     return body | more
 
 
@@ -56,13 +56,13 @@ def test_a_cut_block_rests_on_a_floor(floor):
                  damping={"mass": 3.0})  # fmt: skip
     if floor == "wall":
         bodies["block"]["region"] = {"box": {"min": [1.98, 0.0], "max": [5.02, 3.03]}}
-        case["boundaries"] = {"y-min": "separating"}
+        case["boundaries"] = {"y-min": "unilateral"}
         name = "reaction.y-min-y"
     else:
         low = {"box": {"min": [-2.0, -3.0], "max": [10.0, 1.0]}}
         bodies["floor"] = {"rigid": {}, "region": low}
         case["contact"] = [{"bodies": "all"}]
-        name = "tool.floor.force-y"
+        name = "rigid.floor.force-y"
     case["bodies"] = bodies
     sim = start(case)
     sim.diagnostics()
@@ -81,7 +81,7 @@ def test_tied_bodies_pass_uniform_stress_on():
     }
     sim = start(scene(2, bodies, cells=[9, 9], end=3.0, step=0.02, tractions=tractions,
                       damping={"mass": 8.0},
-                      contact=[{"bodies": "all", "law": "tied"}]))  # fmt: skip
+                      contact=[{"bodies": "all", "law": "tie"}]))  # fmt: skip
     finish(sim)
     stress = sim.particles.sigma[sim.live()][sim.particles.body[sim.live()] < 2]
     np.testing.assert_allclose(stress[:, 1], 0.05, rtol=3e-3)

@@ -8,7 +8,7 @@ from pgimp.solver.contact.surfaces.groups import find_groups
 
 pytestmark = pytest.mark.slow(20)
 
-EXACT = {"configuration": "initial", "surface": "exact"}
+EXACT = {"formulation": "total-lagrangian", "surface": "exact"}
 HEAPS = {
     "one": box([1.2, 1.1], [4.6, 3.3], [2.0, 0.5]) | EXACT,
     "other": box([5.1, 1.7], [8.2, 4.1], [-1.0, 0.0]) | EXACT,

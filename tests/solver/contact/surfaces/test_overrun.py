@@ -9,7 +9,7 @@ from pgimp.kernels.data.record import RECORD
 
 pytestmark = pytest.mark.slow(40)
 
-EXACT = {"configuration": "initial", "surface": "exact"}
+EXACT = {"formulation": "total-lagrangian", "surface": "exact"}
 
 
 def told(case, way, moves=None):

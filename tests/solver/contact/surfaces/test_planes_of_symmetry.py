@@ -7,7 +7,7 @@ from tiers import wide
 
 pytestmark = pytest.mark.slow(60)
 
-EXACT = {"configuration": "initial", "surface": "exact"}
+EXACT = {"formulation": "total-lagrangian", "surface": "exact"}
 
 
 def model(D, whole, soft, friction=0.0):

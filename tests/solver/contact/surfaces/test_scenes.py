@@ -6,7 +6,7 @@ from scenes import SOFT, box, energy, scene, start
 
 pytestmark = pytest.mark.slow(60)
 
-EXACT = {"configuration": "initial", "surface": "exact"}
+EXACT = {"formulation": "total-lagrangian", "surface": "exact"}
 PAIR = {"soft": SOFT, "stiff": SOFT | {"young": 400.0, "density": 2.0}}
 
 
@@ -150,11 +150,11 @@ def test_free_rigid_bodies_take_what_others_lose():
     lines, deep = run(case)
     first, last = lines[0], lines[-1]
     for name in ("momentum-x", "momentum-y", "angular-momentum-z"):
-        parts = [line[name] + line[f"tool.ball.{name}"] for line in (first, last)]
+        parts = [line[name] + line[f"rigid.ball.{name}"] for line in (first, last)]
         assert abs(parts[1] - parts[0]) < 1e-11, name
-    whole = [energy(line) + line["tool.ball.kinetic-energy"] for line in lines]
+    whole = [energy(line) + line["rigid.ball.kinetic-energy"] for line in lines]
     np.testing.assert_allclose(
-        first["tool.ball.kinetic-energy"] - last["tool.ball.kinetic-energy"],
-        last["tool.ball.work"], rtol=1e-9,
+        first["rigid.ball.kinetic-energy"] - last["rigid.ball.kinetic-energy"],
+        last["rigid.ball.work"], rtol=1e-9,
     )  # fmt: skip
     assert max(whole) < whole[0] * (1.0 + 1e-3) and deep > -0.05

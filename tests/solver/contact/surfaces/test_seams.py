@@ -11,7 +11,7 @@ from pgimp.errors import CaseError
 
 pytestmark = pytest.mark.slow(60)
 
-EXACT = {"configuration": "initial", "surface": "exact"}
+EXACT = {"formulation": "total-lagrangian", "surface": "exact"}
 
 
 def placed(low, high, shift, sides):
@@ -43,7 +43,7 @@ def sliding(shift, floor, around=True):
     block = {"material": "soft", "region": region, "velocity": [2.0, -1.0]}
     bodies, faces = {"block": block | EXACT}, periodic((0,)) if around else {}
     if floor == "wall":
-        faces["y-min"] = {"separating": {"friction": 0.3}}
+        faces["y-min"] = {"unilateral": {"friction": 0.3}}
     elif floor == "rigid":
         ends = ([-1.0, -1.0], [side + 1.0, 2.0])
         bodies["floor"] = {"rigid": {}, "region": {"box": {"min": ends[0], "max": ends[1]}}}
@@ -109,7 +109,7 @@ def test_corners_meet_across_seams_as_elsewhere(D, shift, free):
             parts = [
                 sum(
                     line.get(name, 0.0)
-                    for name in (f"momentum-{axis}", f"tool.puck.momentum-{axis}")
+                    for name in (f"momentum-{axis}", f"rigid.puck.momentum-{axis}")
                 )
                 for line in (first, last)
             ]
@@ -130,7 +130,7 @@ def test_a_pile_across_a_seam_rests():
             region = placed(low, [low[0] + 4.0, low[1] + 3.0], [shift, 0.0], [side, 0.0])
             bodies[f"b{k}"] = {"material": "soft", "region": region} | EXACT
         weight = {"table": [[0.0, [0.0, 0.0]], [5.0, [0.0, -g]]]}
-        faces = {"y-min": {"separating": {"friction": 0.3}}} | periodic((0,) if side else ())
+        faces = {"y-min": {"unilateral": {"friction": 0.3}}} | periodic((0,) if side else ())
         lines.append(run(
             scene(2, bodies, cells=[12, 10], step=0.02, end=12.0, gravity=weight, boundaries=faces,
                   contact=[{"bodies": "all", "friction": 0.3}], damping={"mass": 2.0})

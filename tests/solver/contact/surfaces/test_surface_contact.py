@@ -17,7 +17,12 @@ R = 4.0
 
 def exact(region, **more):
     """A body in the initial configuration, exact to its surface."""
-    body = {"material": "soft", "region": region, "configuration": "initial", "surface": "exact"}
+    body = {
+        "material": "soft",
+        "region": region,
+        "formulation": "total-lagrangian",
+        "surface": "exact",
+    }
     return body | more
 
 
@@ -215,7 +220,7 @@ def test_a_pile_rests_on_a_floor(floor):
         bodies[f"b{k}"] = exact(box([3.0 + 0.17 * k, y], [7.0 + 0.17 * k, y + 3.0]))
     pairs, more = [("b0", "b1"), ("b1", "b2")], {}
     if floor == "wall":
-        more["boundaries"] = {"y-min": {"separating": {"friction": 0.3}}}
+        more["boundaries"] = {"y-min": {"unilateral": {"friction": 0.3}}}
     else:
         bodies["floor"] = {"rigid": {}, "region": box([0.5, 0.5], [10.0, 2.0])}
         pairs.append(("b0", "floor"))

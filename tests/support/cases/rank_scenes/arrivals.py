@@ -21,12 +21,13 @@ def lifts():
             "lift": {"material": "stiff", "region": DISK, "velocity": [-0.5, -1.5]},
             "new": box([9.5, 1.0], [12.0, 3.5], [0.0, 1.0], "stiff"),
             "last": box([14.0, 2.0], [17.0, 4.0], [-2.0, 0.0]),
-            "rests": box([16.0, 5.0], [18.0, 7.0], [-0.5, 0.0]) | {"configuration": "initial"},
+            "rests": box([16.0, 5.0], [18.0, 7.0], [-0.5, 0.0])
+            | {"formulation": "total-lagrangian"},
         },
         cells=[20, 10],
         shape="gimp",
         gravity=[0.0, -0.5],
-        boundaries={"x-max": "slip", "y-min": {"separating": {"friction": 0.2}}},
+        boundaries={"x-max": "slip", "y-min": {"unilateral": {"friction": 0.2}}},
         escape={"x-min": "remove"},
         tractions={"push": {"body": "new", "face": "x-max", "pressure": 0.5}},
         constraints={
@@ -66,12 +67,12 @@ def streams():
         {
             "jet": box([12.0, 5.0], [14.0, 6.0], [4.0, 0.0], "water"),
             "sand": box([5.0, 8.0], [13.0, 10.0], material="sand"),
-            "beam": box([4.0, 2.0], [9.0, 3.0]) | {"configuration": "initial"},
+            "beam": box([4.0, 2.0], [9.0, 3.0]) | {"formulation": "total-lagrangian"},
         },
         cells=[20, 10],
         gravity=[0.0, -2.0],
         materials={"soft": SOFT, "water": water, "sand": sand},
-        boundaries={"y-min": "separating"},
+        boundaries={"y-min": "unilateral"},
         constraints={
             "clamp": {"body": "beam", "region": {"box": {"min": [4.0, 2.0], "max": [5.0, 3.0]}},
                       "velocity": [0.0, 0.0]},

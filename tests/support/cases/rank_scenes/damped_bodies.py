@@ -12,7 +12,7 @@ def damped():
     """
     held = {"body": "beam", "region": {"box": {"min": [0.0, 3.0], "max": [1.0, 5.0]}}}
     bodies = {
-        "beam": box([0.0, 3.0], [9.0, 5.0]) | {"configuration": "initial"},
+        "beam": box([0.0, 3.0], [9.0, 5.0]) | {"formulation": "total-lagrangian"},
         "block": box([10.3, 0.6], [14.0, 3.1], [0.5, -1.0], "stiff"),
         "flies": box([14.6, 3.0], [17.1, 5.0], [-4.0, 2.0]),
     }
@@ -25,7 +25,7 @@ def damped():
         step={"courant": 0.3},
         materials=PAIR,
         gravity=[0.0, -3.0],
-        boundaries={"y-min": {"separating": {"friction": 0.2}}, "x-max": "slip"},
+        boundaries={"y-min": {"unilateral": {"friction": 0.2}}, "x-max": "slip"},
         contact=[{"bodies": "all", "friction": 0.3}],
         constraints={"grip": held | {"velocity": [0.0, {"table": [[0.0, 0.0], [1.0, 1.0]]}]}},
         damping={"kinetic": True},
@@ -77,7 +77,7 @@ def quaking():
                 "traction": {"table": [[0.0, [0.0, 0.0]], [0.1, [1.0, -2.0]], [0.2, [0.0, 0.0]]]},
             }
         },
-        start={"settle": {"tolerance": 0.02}},
+        start={"equilibrate": {"tolerance": 0.02}},
         output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},
         history={"every": {"steps": 10}},
     )
@@ -148,7 +148,7 @@ def settled():
         step={"courant": "auto"},
         materials=PAIR,
         gravity=[0.0, -1.0],
-        boundaries={"y-min": {"separating": {"friction": 0.3}}},
+        boundaries={"y-min": {"unilateral": {"friction": 0.3}}},
         constraints={
             "grip": held
             | {
@@ -166,7 +166,7 @@ def settled():
             },
         },
         damping={"kinetic": True, "local": 0.2},
-        start={"settle": {"tolerance": 0.02}},
+        start={"equilibrate": {"tolerance": 0.02}},
         output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},
         history={"every": {"steps": 10}},
     )
@@ -182,17 +182,17 @@ def dug():
     case["bodies"]["lift"] = box([7.0, 5.0], [13.0, 6.0])
     case["time"]["end"] = 0.3
     case["time"]["stages"] = [
-        {"name": "dig", "settle": {"tolerance": 0.03}, "remove": ["lift"]},
+        {"name": "dig", "equilibrate": {"tolerance": 0.03}, "remove": ["lift"]},
         {"name": "wave", "end": 0.6, "tractions": {"knock": {"traction": [0.5, -0.5]}}},
         {
             "name": "soft",
-            "settle": {"tolerance": 0.03},
+            "equilibrate": {"tolerance": 0.03},
             "damping": {"kinetic": True, "mass": 0.5},
             "materials": {"soft": {"young": 60.0}},
             "boundaries": {"x-max": "absorbing", "x-min": "slip"},
         },
         {"name": "free", "end": 0.8, "tractions": {"knock": None}, "boundaries": {"x-min": None}},
-        {"name": "last", "settle": {"tolerance": 0.05, "steps": 5000}},
+        {"name": "last", "equilibrate": {"tolerance": 0.05, "steps": 5000}},
     ]
     return case
 
@@ -201,7 +201,7 @@ def pressed():
     """Bodies of both configurations rest again and again on a rigid one, with fixed steps."""
     bodies = {
         "table": {"rigid": {}, "region": {"box": {"min": [2.0, 0.0], "max": [18.0, 1.0]}}},
-        "left": box([3.3, 1.0], [9.3, 4.2]) | {"configuration": "initial"},
+        "left": box([3.3, 1.0], [9.3, 4.2]) | {"formulation": "total-lagrangian"},
         "right": box([9.3, 1.0], [16.0, 5.0], None, "stiff"),
     }
     held = {"body": "right", "region": {"box": {"min": [14.0, 1.0], "max": [16.0, 5.0]}}}
@@ -222,11 +222,11 @@ def pressed():
         history={"every": {"steps": 10}},
     )
     case["time"]["stages"] = [
-        {"name": "rest", "settle": {"tolerance": 0.05}},
+        {"name": "rest", "equilibrate": {"tolerance": 0.05}},
         {"name": "lift", "end": 0.4},
         {
             "name": "again",
-            "settle": {"tolerance": 0.05},
+            "equilibrate": {"tolerance": 0.05},
             "constraints": {"grip": {"velocity": [0.0, 0.0]}},
             "tractions": {"push": {"pressure": 2.0}},
             "step": 0.008,

@@ -48,7 +48,7 @@ def line_mpm():
         end=1.0,
         step={"courant": 0.1},
         gravity={"table": ramp},
-        boundaries={"x-min": "separating", "x-max": wall(push)},
+        boundaries={"x-min": "unilateral", "x-max": wall(push)},
         output={"at": [0.3, 0.7], "fields": EVERYTHING},
         history={"every": 0.1},
     )
@@ -116,7 +116,7 @@ def space_gimp():
         step={"courant": 0.3},
         materials=PAIR,
         gravity=[0.0, 0.0, -1.0],
-        boundaries={"z-min": "separating", "y-max": "slip"},
+        boundaries={"z-min": "unilateral", "y-max": "slip"},
         output={"every": 0.3, "fields": EVERYTHING},
         history={"every": 0.1},
     )

@@ -14,7 +14,7 @@ def gauged(case):
     D, size = case["dimensions"], case["grid"]["size"]
     faces = case.get("boundaries", {})
     seams = ["xyz".index(face[0]) for face, kind in faces.items() if kind == "periodic"]
-    initial = any(body.get("configuration") == "initial" for body in case["bodies"].values())
+    initial = any(body.get("formulation") == "total-lagrangian" for body in case["bodies"].values())
     middle, first = [0.5 * x for x in size], next(iter(case["bodies"]))
     low, high = [0.23 * x for x in size], [0.71 * x for x in size]
     for d in seams:
@@ -35,7 +35,7 @@ def gauged(case):
         slanted = {"point": middle, "normal": [1.0, 0.4, -0.3][:D]}
         gauges["slanted"] = {"cut": {"half-space": slanted}, "within": part}
     for face, kind in faces.items():
-        lets_go = kind == "separating" or "separating" in kind
+        lets_go = kind == "unilateral" or "unilateral" in kind
         if kind != "periodic" and not (initial and lets_go):
             d, end = "xyz".index(face[0]), face.endswith("max")  # the part reaches to the wall
             ends = {"min": [*low], "max": [*high]}

@@ -25,7 +25,7 @@ def initial():
     load = {"body": "bar", "face": "x-max", "pressure": {"table": [[0.0, 0.0], [1.0, 9.0]]}}
     return scene(
         2,
-        {name: body | {"configuration": "initial"} for name, body in bodies.items()},
+        {name: body | {"formulation": "total-lagrangian"} for name, body in bodies.items()},
         cells=[16, 8],
         shape="finite-gimp",
         end=1.0,
@@ -41,7 +41,7 @@ def initial():
             "tip": {"body": "rotor", "at": [15.5, 5.5]},
             "gate": {"place": [15.0, 6.0], "every": {"steps": 3}},
         },
-    ) | {"method": {"shape": "finite-gimp", "particles_per_cell": [2, 2], "volumetric": "mean"}}
+    ) | {"method": {"shape": "finite-gimp", "particles-per-cell": [2, 2], "volumetric": "b-bar"}}
 
 
 def exact_surfaces():
@@ -54,7 +54,7 @@ def exact_surfaces():
     }
     held = {"body": "bar", "region": {"box": {"min": [12.0, 0.0], "max": [13.0, 3.0]}}}
     top = {"body": "bar", "region": {"box": {"min": [3.3, 2.0], "max": [9.1, 4.0]}}}
-    more = {"configuration": "initial"}
+    more = {"formulation": "total-lagrangian"}
     return scene(
         2,
         {name: body | more for name, body in bodies.items()},
@@ -96,7 +96,7 @@ def exact_skins():
     clamp = {"body": "thick", "region": {"box": {"min": [2.0, 1.0], "max": [3.0, 3.0]}}}
     case = scene(
         2,
-        {name: body | {"configuration": "initial"} for name, body in bodies.items()},
+        {name: body | {"formulation": "total-lagrangian"} for name, body in bodies.items()},
         cells=[18, 9],
         shape="finite-gimp",
         end=0.5,
@@ -126,7 +126,7 @@ def exact_round():
     bars = [
         {"box": {"min": [low, 4.02], "max": [high, 5.97]}} for low, high in ((0, 2.6), (13.9, 18))
     ]
-    more = {"configuration": "initial", "velocity": [1.0, 0.5]}
+    more = {"formulation": "total-lagrangian", "velocity": [1.0, 0.5]}
     held = {"body": "bar", "region": {"box": {"min": [0.0, 4.0], "max": [0.8, 6.0]}}}
     top = {"body": "bar", "region": {"box": {"min": [0.0, 5.0], "max": [1.7, 7.0]}}}
     return scene(
@@ -158,7 +158,7 @@ def exact_rings():
     """Rings exact to their surface: a ball on the axis across a seam, a tube with a load inside."""
     balls = [{"ball": {"centre": [0.0, y], "radius": 1.9}} for y in (0.4, 9.4)]
     tube = {"box": {"min": [7.03, 2.02], "max": [12.41, 5.97]}}
-    more = {"configuration": "initial"}
+    more = {"formulation": "total-lagrangian"}
     case = scene(
         2,
         {
@@ -193,10 +193,10 @@ def initial_stages():
         "b": box([7.2, 2.3], [12.0, 4.3], spin, "stiff"),
         "c": box([12.0, 2.3], [17.1, 4.3], spin),
     }
-    bodies = {name: body | {"configuration": "initial"} for name, body in bodies.items()}
+    bodies = {name: body | {"formulation": "total-lagrangian"} for name, body in bodies.items()}
     bodies["bird"] = box([9.0, 5.0], [11.0, 6.0], [3.0, 9.0])
     held = {"body": "b", "region": {"box": {"min": [8.0, 2.0], "max": [9.0, 5.0]}}}
-    tied = [{"bodies": ["a", "b"], "law": "tied"}, {"bodies": ["b", "c"], "law": "tied"}]
+    tied = [{"bodies": ["a", "b"], "law": "tie"}, {"bodies": ["b", "c"], "law": "tie"}]
     case = scene(
         2,
         bodies,
@@ -235,7 +235,7 @@ def initial_contact():
         "glued": box([12.0, 2.0], [13.0, 3.5]),
         "falls": box([17.0, 4.0], [19.5, 6.0], [0.0, -3.0], "stiff"),
     }
-    more = {"configuration": "initial", "surface": "whole"}
+    more = {"formulation": "total-lagrangian", "surface": "whole"}
     bodies = {name: body | more for name, body in bodies.items()}
     rotation = {"about": [18.0, 1.5], "rate": -4.0}
     bodies["drum"] = {"rigid": {"rotation": rotation},
@@ -251,10 +251,10 @@ def initial_contact():
         step={"courant": 0.3},
         materials=PAIR,
         gravity=[0.0, -1.0],
-        boundaries={"y-min": {"separating": {"friction": 0.2}}, "x-max": "slip"},
+        boundaries={"y-min": {"unilateral": {"friction": 0.2}}, "x-max": "slip"},
         contact=[
             {"bodies": "all", "friction": {"static": 0.4, "kinetic": 0.3}},
-            {"bodies": ["lies", "glued"], "law": "tied"},
+            {"bodies": ["lies", "glued"], "law": "tie"},
             {"bodies": ["lies", "drum"], "adhesion": {"normal": 1.0, "reach": 0.3}},
         ],
         output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},
@@ -299,7 +299,7 @@ def surface_contact():
         "falls": box([17.0, 4.03], [19.5, 6.0], [-1.0, -3.0], "stiff"),
         "edged": box([14.1, 2.7], [16.4, 4.6], [3.0, 0.5]),
     }
-    more = {"configuration": "initial"}
+    more = {"formulation": "total-lagrangian"}
     bodies = {name: body | more for name, body in bodies.items()}
     rotation = {"about": [18.0, 1.5], "rate": -4.0}
     bodies["drum"] = {"rigid": {"rotation": rotation},
@@ -320,13 +320,13 @@ def surface_contact():
         materials=PAIR,
         gravity=[0.0, -1.0],
         boundaries={
-            "y-min": {"separating": {"friction": 0.2, "restitution": 0.7}},
+            "y-min": {"unilateral": {"friction": 0.2, "restitution": 0.7}},
             "x-max": "slip",
         },
         contact=[
             {"bodies": "all", "friction": {"static": 0.4, "kinetic": 0.3}},
             {"bodies": ["bead", "drum"], "friction": 0.2, "restitution": 0.6},
-            {"bodies": ["lies", "glued"], "law": "tied"},
+            {"bodies": ["lies", "glued"], "law": "tie"},
             {"bodies": ["lies", "drum"], "adhesion": {"normal": 1.0, "reach": 0.3}},
         ],
         output={"every": 0.25, "fields": EVERYTHING, "surface": [*SURFACE]},
@@ -339,7 +339,7 @@ def surface_beside():
 
     These also meet each other, a rigid tool, a free rigid body and a floor that lets go.
     """
-    more = {"configuration": "initial", "surface": "exact"}
+    more = {"formulation": "total-lagrangian", "surface": "exact"}
     disk = {"ball": {"centre": [4.3, 5.2], "radius": 1.37}}
     bodies = {
         "bed": box([3.0, 0.0], [15.0, 2.0]),
@@ -360,7 +360,7 @@ def surface_beside():
         step={"courant": 0.3},
         materials=PAIR,
         gravity=[0.0, -1.0],
-        boundaries={"y-min": {"separating": {"friction": 0.2}}, "x-max": "slip"},
+        boundaries={"y-min": {"unilateral": {"friction": 0.2}}, "x-max": "slip"},
         contact=[{"bodies": "all", "friction": {"static": 0.4, "kinetic": 0.3}}],
         output={"every": 0.25, "fields": EVERYTHING},
         history={"every": {"steps": 10}},
@@ -369,7 +369,7 @@ def surface_beside():
 
 def surface_boxes():
     """A body of whole particles and one from a file, off the grid, meet across slabs and a seam."""
-    more = {"configuration": "initial"}
+    more = {"formulation": "total-lagrangian"}
     disk = {"ball": {"centre": [4.3, 4.2], "radius": 1.9}}
     file = str(Path(__file__).with_name("bricks.csv"))
     bodies = {
@@ -405,10 +405,10 @@ def surface_stages():
         "c": box([12.04, 2.3], [17.1, 4.3], spin),
         "falls": box([13.1, 4.8], [15.6, 6.7], [0.0, -5.0]),
     }
-    more = {"configuration": "initial"}
+    more = {"formulation": "total-lagrangian"}
     bodies = {name: body | more for name, body in bodies.items()}
     held = {"body": "b", "region": {"box": {"min": [8.0, 2.0], "max": [9.0, 5.0]}}}
-    tied = [{"bodies": ["a", "b"], "law": "tied"}, {"bodies": ["b", "c"], "law": "tied"}]
+    tied = [{"bodies": ["a", "b"], "law": "tie"}, {"bodies": ["b", "c"], "law": "tie"}]
     case = scene(
         2,
         bodies,
@@ -417,7 +417,7 @@ def surface_stages():
         end=0.3,
         step={"courant": 0.3},
         materials=PAIR,
-        boundaries={"y-min": "separating"},
+        boundaries={"y-min": "unilateral"},
         contact=[{"bodies": "all", "friction": 0.3}, *tied],
         gravity=[0.0, -2.0],
         output={"every": 0.25, "fields": EVERYTHING, "surface": [*SURFACE]},
@@ -441,7 +441,7 @@ def both_configurations():
     water = {"model": "newtonian", "density": 1.0, "bulk": 200.0, "shear-viscosity": 0.3}
     held = {"body": "plate", "region": {"box": {"min": [4.0, 1.0], "max": [5.0, 3.0]}}}
     bodies = {
-        "plate": box([4.0, 1.0], [16.0, 3.0]) | {"configuration": "initial"},
+        "plate": box([4.0, 1.0], [16.0, 3.0]) | {"formulation": "total-lagrangian"},
         "water": box([8.5, 3.6], [14.5, 6.4], [3.0, -2.0], "water"),
         "block": box([16.5, 0.0], [19.5, 2.0], [-3.0, 0.0], "stiff"),
         "ball": {"rigid": {"density": 3.0}, "velocity": [1.0, -4.0],
@@ -458,14 +458,14 @@ def both_configurations():
         step={"courant": 0.3},
         materials=PAIR | {"water": water},
         gravity=[0.0, -1.0],
-        boundaries={"y-min": {"separating": {"friction": 0.2}}, "x-min": "slip"},
+        boundaries={"y-min": {"unilateral": {"friction": 0.2}}, "x-min": "slip"},
         escape={"x-max": "remove", "y-max": "remove"},
         contact=[{"bodies": "all", "friction": 0.3}],
         constraints={"grip": held | {"velocity": [None, {"table": [[0.0, 0.0], [1.0, 1.0]]}]}},
         output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},
         history={"every": {"steps": 10}},
         probes={"tip": {"body": "plate", "at": [16.0, 3.0]}, "jet": {"place": [15.0, 4.0]}},
-    ) | {"method": {"shape": "finite-gimp", "particles_per_cell": [2, 2], "volumetric": "mean"}}
+    ) | {"method": {"shape": "finite-gimp", "particles-per-cell": [2, 2], "volumetric": "b-bar"}}
 
 
 def initial_lattice():
@@ -490,7 +490,7 @@ def initial_lattice():
     }
     return scene(
         2,
-        {name: body | {"configuration": "initial"} for name, body in bodies.items()},
+        {name: body | {"formulation": "total-lagrangian"} for name, body in bodies.items()},
         cells=[20, 8],
         shape="gimp",
         end=3.0,

@@ -33,7 +33,7 @@ def metals():
         end=1.0,
         step={"courant": 0.3},
         materials=METALS,
-        boundaries={"y-min": "slip", "y-max": "separating"},
+        boundaries={"y-min": "slip", "y-max": "unilateral"},
         output={"every": 0.25, "fields": [*EVERYTHING, *states]},
         history={"every": {"steps": 10}},
     )
@@ -54,7 +54,7 @@ def affine():
         cells=[16, 8],
         end=1.0,
         materials=METALS,
-        boundaries={"y-min": "slip", "y-max": "separating"},
+        boundaries={"y-min": "slip", "y-max": "unilateral"},
         output={"fields": ["velocity", "stress", "deformation"]},
     )
     case["method"]["affine"] = True
@@ -98,7 +98,7 @@ def flowing():
         step={"courant": 0.25},
         materials=laws,
         gravity=[0.0, -3.0],
-        boundaries={"y-min": "separating", "x-min": "slip", "x-max": "slip"},
+        boundaries={"y-min": "unilateral", "x-min": "slip", "x-max": "slip"},
         escape={"y-max": "remove"},
         output={
             "every": 0.25,
@@ -139,7 +139,7 @@ def varied():
         step={"courant": "auto"},
         materials=VARIED,
         gravity=[0.0, -2.0],
-        boundaries={"y-min": "slip", "y-max": "separating"},
+        boundaries={"y-min": "slip", "y-max": "unilateral"},
         escape={"x-max": "remove"},
         output={
             "every": 0.25,

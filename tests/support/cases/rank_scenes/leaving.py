@@ -35,7 +35,8 @@ def sinks():
     bodies = {
         "jet": box([14.0, 4.0], [16.0, 7.0], [-9.0, 0.0]),
         "falls": turning(box([4.0, 8.0], [7.0, 10.0]), [5.5, 9.0], 1.5, [2.0, -6.0]),
-        "stays": box([9.0, 8.0], [11.0, 10.0], [0.5, -6.0], "stiff") | {"configuration": "initial"},
+        "stays": box([9.0, 8.0], [11.0, 10.0], [0.5, -6.0], "stiff")
+        | {"formulation": "total-lagrangian"},
     }
     return scene(
         2,

@@ -50,18 +50,18 @@ def meeting():
         step={"courant": 0.3},
         materials={"soft": rubber, "stiff": STIFF},
         gravity=[0.0, -2.0],
-        boundaries={"y-min": "separating", "y-max": "slip"},
+        boundaries={"y-min": "unilateral", "y-max": "slip"},
         tractions={"push": {"body": "lies", "face": "x-min", "pressure": 2.0}},
         constraints={"grip": grip | {"velocity": [0.0, None]}},
         contact=[
             {"bodies": "all", "friction": {"static": 0.5, "kinetic": 0.3}},
-            {"bodies": ["lies", "glued"], "law": "tied"},
+            {"bodies": ["lies", "glued"], "law": "tie"},
             {"bodies": ["ghost", "meets"], "law": "ignore"},
         ],
         output={"every": 0.25, "fields": EVERYTHING, "grid": [*GRID, "contact"]},
         history={"every": {"steps": 10}},
     )
-    case["method"] |= {"affine": True, "relaxation": 2.0, "volumetric": "mean"}
+    case["method"] |= {"affine": True, "relaxation": 2.0, "volumetric": "b-bar"}
     return case
 
 

@@ -26,7 +26,7 @@ def passing():
             "ground": box([1.3, 1.0], [18.2, 4.2], None, "stiff"),
             "disk": {
                 "material": "soft", "region": {"ball": {"centre": [9.1, 9.1], "radius": 2.3}},
-                "velocity": [4.0, 0.5], "configuration": "initial",
+                "velocity": [4.0, 0.5], "formulation": "total-lagrangian",
             },
         },
         cells=[20, 14],

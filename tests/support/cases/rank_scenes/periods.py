@@ -85,7 +85,7 @@ def layer():
         step=0.012,
         materials={"soft": fluid},
         gravity=[3.0, -5.0, 0.5],
-        boundaries=dict.fromkeys(faces, "periodic") | {"y-min": "fixed", "y-max": "separating"},
+        boundaries=dict.fromkeys(faces, "periodic") | {"y-min": "fixed", "y-max": "unilateral"},
         output={"every": 0.2, "fields": EVERYTHING, "grid": ["mass"]},
         history={"every": {"steps": 10}},
         probes={"bottom": {"place": [0.0, 1.0, 0.0]}},
@@ -112,7 +112,7 @@ def endless():
         probes={"top": {"body": "upper", "at": [0.0, 4.0]}},
     )
     for body in bodies.values():
-        body["configuration"] = "initial"
+        body["formulation"] = "total-lagrangian"
     return case
 
 
@@ -134,7 +134,7 @@ def surface_round():
         "flies": box([9.2, 8.1], [11.7, 10.3], [7.0, 1.0], "stiff"),
     }  # fmt: skip
     bodies = {
-        name: body | {"configuration": "initial", "surface": "exact"}
+        name: body | {"formulation": "total-lagrangian", "surface": "exact"}
         for name, body in bodies.items()
     }
     plate = {"box": {"min": [-2.0, 6.7], "max": [20.0, 7.9]}}
@@ -152,7 +152,7 @@ def surface_round():
         materials=PAIR,
         gravity=[0.0, -1.0],
         boundaries=dict.fromkeys(faces, "periodic"),
-        contact=[{"bodies": "all", "friction": 0.3}, {"bodies": ["bar", "glued"], "law": "tied"}],
+        contact=[{"bodies": "all", "friction": 0.3}, {"bodies": ["bar", "glued"], "law": "tie"}],
         output={"every": 0.3, "fields": [*EVERYTHING, "unwrapped"], "grid": GRID},
         history={"every": {"steps": 10}},
     )

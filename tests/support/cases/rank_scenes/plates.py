@@ -50,7 +50,7 @@ def plates_initial():
         "other": box([11.1, 1.3], [16.8, 3.3], [-2.0, 1.0], "stiff"),
     }
     for body in bodies.values():
-        body["configuration"] = "initial"
+        body["formulation"] = "total-lagrangian"
     return _plates(
         bodies,
         boundaries={"y-min": "fixed"},

@@ -29,7 +29,7 @@ def rings():
         step={"courant": 0.3},
         materials=METALS | {"rubber": SOFT, "stiff": STIFF, "gas": gas},
         gravity=[0.0, -2.0],
-        boundaries={"y-min": "separating", "x-max": "slip"},
+        boundaries={"y-min": "unilateral", "x-max": "slip"},
         escape={"y-max": "remove"},
         contact=[{"bodies": "all", "friction": 0.3}],
         tractions={
@@ -68,7 +68,7 @@ def rings_free():
         step={"courant": 0.3},
         materials={"rubber": SOFT},
         gravity=[0.0, -2.0],
-        boundaries={"x-min": "slip", "y-min": "separating"},
+        boundaries={"x-min": "slip", "y-min": "unilateral"},
         contact=[{"bodies": "all", "friction": 0.3}],
         output={"every": 0.25, "fields": EVERYTHING, "grid": ["mass", "contact"]},
         history={"every": {"steps": 10}},
@@ -105,7 +105,7 @@ def rings_initial():
     )  # fmt: skip
     case["geometry"] = "axisymmetric"
     for body in bodies.values():
-        body["configuration"] = "initial"
+        body["formulation"] = "total-lagrangian"
     return case
 
 
@@ -118,7 +118,7 @@ def rings_initial_contact():
         "sleeve": box([7.9, 1.0], [9.0, 4.0], [0.0, 2.0]),
     }
     for body in bodies.values():
-        body["configuration"] = "initial"
+        body["formulation"] = "total-lagrangian"
     bodies["stamp"] = {
         "rigid": {"velocity": [0.0, -1.5]},
         "region": {"ball": {"center": [6.5, 7.3], "radius": 2.0}},
@@ -136,7 +136,7 @@ def rings_initial_contact():
         step={"courant": 0.3},
         materials={"soft": METALS["soft"], "rubber": SOFT},
         gravity=[0.0, -2.0],
-        boundaries={"y-min": "separating"},
+        boundaries={"y-min": "unilateral"},
         contact=[{"bodies": "all", "friction": 0.3}],
         tractions={"bore": {"body": "tube", "face": "x-min", "pressure": 8.0}},
         output={"every": 0.25, "fields": EVERYTHING, "grid": ["mass", "velocity"]},
@@ -160,7 +160,7 @@ def surface_rings():
         "sleeve": box([7.88, 2.0], [9.03, 4.4], [0.0, 2.0]),
     }  # fmt: skip
     bodies = {
-        name: body | {"configuration": "initial", "surface": "exact"}
+        name: body | {"formulation": "total-lagrangian", "surface": "exact"}
         for name, body in bodies.items()
     }
     stamp = {"ball": {"center": [6.5, 8.23], "radius": 2.0}}
@@ -184,6 +184,6 @@ def surface_rings():
         history={"every": {"steps": 10}},
     )
     case["geometry"] = "axisymmetric"
-    tied = [{"bodies": "all", "friction": 0.1}, {"bodies": ["tube", "sleeve"], "law": "tied"}]
+    tied = [{"bodies": "all", "friction": 0.1}, {"bodies": ["tube", "sleeve"], "law": "tie"}]
     case["time"]["stages"] = [{"name": "grown", "end": 0.8, "contact": tied}]
     return case

@@ -39,23 +39,23 @@ def squeezed(dimension, shape, faces, **parts):
 
 #: The shapes whose size is tracked, and tents that stay; mirrors at x-min, x-max and elsewhere.
 SIZED = {
-    "line_fuzzy": squeezed(1, "fuzzy-constant", {"x-min": "fixed", "x-max": "separating"}),
-    "plane_finite": squeezed(2, "finite-gimp", {"x-min": "slip", "y-min": "separating"}),
+    "line_fuzzy": squeezed(1, "fuzzy-constant", {"x-min": "fixed", "x-max": "unilateral"}),
+    "plane_finite": squeezed(2, "finite-gimp", {"x-min": "slip", "y-min": "unilateral"}),
     "plane_corners": squeezed(
-        2, "cpdi-corners", {"x-min": "slip", "y-min": "separating"}, wall="mirror"
+        2, "cpdi-corners", {"x-min": "slip", "y-min": "unilateral"}, wall="mirror"
     ),
     "space_corners": squeezed(3, "cpdi-corners", {"x-min": "fixed", "z-min": "slip"}),
     "plane_fuzzy": squeezed(
-        2, "fuzzy-nearest", {"x-min": "slip", "x-max": "separating", "y-min": "separating"}
+        2, "fuzzy-nearest", {"x-min": "slip", "x-max": "unilateral", "y-min": "unilateral"}
     ),
     "plane_ghost": squeezed(2, "bspline-cubic", {"x-min": "slip", "y-min": "fixed"}, wall="ghost"),
     "plane_mirror": squeezed(
-        2, "gimp", {"x-min": "slip", "x-max": "separating", "y-min": "separating"}, wall="mirror"
+        2, "gimp", {"x-min": "slip", "x-max": "unilateral", "y-min": "unilateral"}, wall="mirror"
     ),
     "space_finite": squeezed(3, "finite-gimp", {"x-min": "fixed", "z-min": "slip"}),
     "space_fuzzy": squeezed(
         3, "fuzzy-constant",
-        {"x-min": "fixed", "x-max": "separating", "y-min": "slip", "z-min": "fixed"},
+        {"x-min": "fixed", "x-max": "unilateral", "y-min": "slip", "z-min": "fixed"},
         size="fixed",
     ),
 }  # fmt: skip

@@ -14,9 +14,9 @@ def turned():
     the other go on without its rotation, the next ends it.
     """
     bodies = {
-        "rotor": box([2.0, 6.0], [8.0, 8.0]) | {"configuration": "initial"},
+        "rotor": box([2.0, 6.0], [8.0, 8.0]) | {"formulation": "total-lagrangian"},
         "mixer": box([11.3, 2.2], [16.2, 4.4], None, "stiff"),
-        "block": box([10.5, 5.4], [13.5, 7.4], [0.0, -1.0]) | {"configuration": "initial"},
+        "block": box([10.5, 5.4], [13.5, 7.4], [0.0, -1.0]) | {"formulation": "total-lagrangian"},
     }
     rate = {"table": [[0.0, 0.0], [0.3, pi], [1.2, pi]]}
     grips = {

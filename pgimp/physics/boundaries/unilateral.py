@@ -11,7 +11,7 @@ from pgimp.physics.contact.friction import AnyFriction, coefficients, coulomb_pa
 from pgimp.schema.base import Number
 
 
-class SeparatingParameters(NamedTuple):
+class UnilateralParameters(NamedTuple):
     """Face, static and kinetic coefficient of friction, and length of the step."""
 
     axis: int
@@ -51,7 +51,7 @@ def _brake(face, v, gap_rate):
     return tuple(normal if k == d else part * w for d, w in enumerate((x, y, z)))
 
 
-class Separating(Boundary):
+class Unilateral(Boundary):
     """Wall from which the material lifts off freely: a floor, a stop. It may have friction."""
 
     friction: AnyFriction = Field(default=0.0, description="coefficient of Coulomb's friction [1]")
@@ -75,8 +75,8 @@ class Separating(Boundary):
         """See `Boundary.varies`: by the length of the step."""
         return True
 
-    def parameters(self, axis: int, side: int, start: float, end: float) -> SeparatingParameters:
+    def parameters(self, axis: int, side: int, start: float, end: float) -> UnilateralParameters:
         """See `Boundary.parameters`."""
         static, kinetic = coefficients(self.friction)
         dt = max(end - start, 1e-300)  # zero if only the held components are computed
-        return SeparatingParameters(axis, side, float(static), float(kinetic), dt)
+        return UnilateralParameters(axis, side, float(static), float(kinetic), dt)

@@ -1,4 +1,4 @@
-"""Checks of `escape`: open faces, and sinks with a region."""
+"""Checks of `outflow`: open faces, and sinks with a region."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from pgimp.case.checks.domain import check_grid
-from pgimp.case.escape import Sink
 from pgimp.case.grid import Grid
+from pgimp.case.outflow import Sink
 from pgimp.geometry.regions.base import Region
 from pgimp.schema.messages import unknown
 from pgimp.schema.problems import Problem
@@ -17,11 +17,11 @@ from pgimp.schema.sizes import AXES, Problems, faces
 Path = tuple[str | int, ...]
 
 
-def check_escape(dimensions: int, grid: Grid, escape: Mapping[str, Any]) -> Problems:
+def check_outflow(dimensions: int, grid: Grid, outflow: Mapping[str, Any]) -> Problems:
     """Check that faces exist, and that sinks lie in the domain."""
     sound = not list(check_grid(grid))
-    for name, action in escape.items():
-        path = ("escape", name)
+    for name, action in outflow.items():
+        path = ("outflow", name)
         if isinstance(action, Sink):
             yield from _sink(path, name, action, grid if sound else None)
         elif name not in faces(dimensions):

@@ -20,22 +20,22 @@ class Sink(Model):
     )
 
 
-EscapeEntry = Annotated[
+OutflowEntry = Annotated[
     Any, Either("stop, remove or {region: ..}", {str: Literal["stop", "remove"], dict: Sink})
 ]
 """What a case says of a face, ``remove``, or of a sink, ``{region: {box: ..}}``."""
 
 
-def exits(escape: Mapping[str, str | Sink]) -> list[str]:
+def exits(outflow: Mapping[str, str | Sink]) -> list[str]:
     """Return the faces through which particles leave."""
-    return [name for name, action in escape.items() if action == "remove"]
+    return [name for name, action in outflow.items() if action == "remove"]
 
 
-def sinks(escape: Mapping[str, str | Sink]) -> dict[str, Sink]:
+def sinks(outflow: Mapping[str, str | Sink]) -> dict[str, Sink]:
     """Return the sinks by name."""
-    return {name: action for name, action in escape.items() if isinstance(action, Sink)}
+    return {name: action for name, action in outflow.items() if isinstance(action, Sink)}
 
 
-def exits_of(escape: Mapping[str, str | Sink]) -> Iterable[str]:
+def exits_of(outflow: Mapping[str, str | Sink]) -> Iterable[str]:
     """Return the names of the faces and sinks through which particles leave."""
-    return [name for name, action in escape.items() if action != "stop"]
+    return [name for name, action in outflow.items() if action != "stop"]

@@ -1,0 +1,92 @@
+"""Arrays for the pairs of a step and their solution, which are kept for the next one, and grow."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pgimp.kernels.contact.data import PAIR_STATE
+from pgimp.kernels.contact.impulses.coupling import Coupling
+from pgimp.kernels.contact.impulses.pairs import ENDS, ContactPairs
+from pgimp.kernels.contact.impulses.rows import Solved
+from pgimp.kernels.contact.surfaces.groups import PREPARED
+from pgimp.kernels.contact.surfaces.levels import GATHERED, NUMBERED
+
+#: Cells whose sums a row has at once.
+_CELLS = 16
+
+
+class Room:
+    """Arrays for pairs, their rows, and their solution. Nothing in them lasts.
+
+    Attributes
+    ----------
+    entries : int
+        How many entries rows may have.
+    """
+
+    def __init__(self) -> None:
+        self._kept: dict[str, np.ndarray] = {}
+        self.entries = 0
+
+    def _have(self, name: str, count: int, *shape: int, of: Any = np.float64) -> np.ndarray:
+        """An array of a kind, with any numbers in it."""
+        kept = self._kept.get(name)
+        if kept is None or len(kept) < count:
+            kept = self._kept[name] = np.empty((count + count // 4, *shape), of)
+        return kept[:count]
+
+    def found(self, pairs: int, entries: int) -> tuple[ContactPairs, Coupling]:
+        """Room for so many pairs, and for at least so many entries of their rows."""
+        self.entries = max(self.entries, entries, 8 * pairs)
+        return self.filled(pairs, 2 * pairs, self.entries)
+
+    def filled(self, pairs: int, rows: int, entries: int) -> tuple[ContactPairs, Coupling]:
+        """What is filled of these, without a copy."""
+        have = self._have
+        return ContactPairs(
+            have("ends", pairs, of=ENDS), have("states", pairs, of=PAIR_STATE),
+            have("rigid", pairs, 3, 3),
+        ), Coupling(
+            have("start", rows + 1, of=np.int64), have("column", entries, of=np.int64),
+            have("entry", entries, 1), have("answer", rows, 3),
+        )  # fmt: skip
+
+    def gathering(self, vertices: int, facets: int, D: int) -> tuple[Any, ...]:
+        """Scratch for so many vertices, and for as many facets of a patch, see `find_patch_pairs`.
+
+        It is what comes between the vertices' values and pieces of facets.
+        """
+        known = self._kept.get("own")
+        if known is None or known.shape[1] < facets + 3:
+            most = facets + facets // 4 + 3
+            self._kept["own"] = np.empty((GATHERED, most))
+            self._kept["numbers"] = np.empty((NUMBERED, most), np.int64)
+        cells = self._have("sums", _CELLS, 2**D), self._have("cells", _CELLS, of=np.int64)
+        seen = self._have("seen", vertices, 2, of=np.int64)
+        return seen, (*cells, self._kept["own"], self._kept["numbers"])
+
+    def solved(self, vertices: int, coupling: Coupling) -> Solved:
+        """Vertices for `begin_solution`."""
+        return self._solved("", vertices, coupling)._replace(soft=self._have("none", 0, 3))
+
+    def _solved(self, which: str, vertices: int, coupling: Coupling) -> Solved:
+        have, rows = self._have, len(coupling.answer)
+        return Solved(
+            have("v" + which, vertices, 4), have("w" + which, vertices, 4),
+            have("held" + which, vertices, 4), have("moved" + which, len(coupling.column)),
+            have("free" + which, rows, of=np.bool_), have("soft" + which, rows, 3),
+        )  # fmt: skip
+
+    def prepared(self, pairs: int) -> np.ndarray:
+        """Scratch of `solve_groups`."""
+        return self._have("prepared", pairs, PREPARED)
+
+    def soft(self, vertices: int, pairs: int, coupling: Coupling) -> tuple[Any, ...]:
+        """Scratch of `solve_softly`."""
+        have = self._have
+        scratch = have("at", vertices, 3), have("before", pairs, 3), have("areas", pairs)
+        answer = have("softened", len(coupling.answer), 3)
+        softened = self._solved("soft", vertices, coupling)
+        return softened, answer, scratch, self.prepared(pairs)
