@@ -108,12 +108,12 @@ def _set_local(Q, v, row, k):
 
 
 @inner_kernel
-def set_place(frame, rigid_bodies, surface, moved, P, s, f, cell, row):
-    """Set the place of facet `s` relative to facet `f`, and deformations there, see `KNOWN`.
+def set_place(frame, rigid_bodies, surface, moved, P, both, cell, row):
+    """Set the place of one facet relative to another, and deformations there, see `KNOWN`.
 
-    Returns the velocity at which they may come nearer. `f` below 0 is a wall.
+    Returns the velocity at which they may come nearer. The other one is below 0 at a wall.
     """
-    D = len(frame.cell)
+    D, (s, f) = len(frame.cell), both
     x, v, F, most = _state(frame, rigid_bodies, surface, moved, P, s, cell)
     Q = pack(1.0, 0.0, 0.0, 0.0), pack(0.0, 1.0, 0.0, 0.0), pack(0.0, 0.0, 1.0, 0.0)
     for k in range(PLACE + 12, KNOWN):
@@ -194,7 +194,7 @@ def find_awake(frame, contact, surface, moved, dt, near, moving, scratch) -> tup
             known[PAUSE] -= 1.0
             continue
         s, now = middle.facet, scratch[1][0]
-        of = surface, moved, scratch[0], s, middle.other
+        of = surface, moved, scratch[0], (s, middle.other)
         way = dt * set_place(frame, contact.rigid_bodies, *of, cell, now)
         body = surface.body[s], middle.body
         wakes, walks = _wakes(contact, surface, known, now, body, way, cell)

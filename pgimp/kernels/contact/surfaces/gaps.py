@@ -301,6 +301,6 @@ def find_gaps(frame, contact, walls, surface, moved, scratch, far, near):
         if walks:
             known, middle = patches.known[g], every[(first + last) // 2]
             known[CLEAR] = clear
-            of = surface, (cells, u, u), scratch[0], middle.facet, middle.other
+            of = surface, (cells, u, u), scratch[0], (middle.facet, middle.other)
             set_place(frame, contact.rigid_bodies, *of, cell, known)
             c = -1

@@ -19,9 +19,8 @@ from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.jit.vectors.lanes import sum_of
 from pgimp.jit.vectors.rows import load_row, store_row
 from pgimp.kernels.contact.data import clear_pair
-from pgimp.kernels.contact.impulses.coupling import set_answer
+from pgimp.kernels.contact.impulses.coupling import release_across, set_answer
 from pgimp.kernels.contact.impulses.warm_start import kept_acceleration
-from pgimp.kernels.contact.surfaces.held import release_across
 from pgimp.kernels.contact.surfaces.levels import (
     AREA,
     FACET,

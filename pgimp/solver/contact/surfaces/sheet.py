@@ -16,7 +16,7 @@ from pgimp.scene.bodies.facet_polygons import Polygons, polygons_of
 from pgimp.scene.bodies.surface_patches import Facets
 from pgimp.solver.contact.surfaces.candidates import candidates_of, find_facets
 from pgimp.solver.contact.surfaces.contact import SurfaceContact
-from pgimp.solver.contact.surfaces.smooth import Smoothed, smooth
+from pgimp.solver.contact.surfaces.loads import Smoothed, smooth
 from pgimp.solver.contact.surfaces.table import Table
 from pgimp.solver.rank_state import RankState
 
