@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -11,7 +11,7 @@ from pgimp.geometry.regions import Points, RegionEntry
 from pgimp.physics.loads.motion import RigidMotion, zero_vector
 from pgimp.physics.loads.own_velocity import OwnVelocity
 from pgimp.physics.shapes.base import Shape
-from pgimp.schema.base import Model, Name, Vector
+from pgimp.schema.base import Model, Name, Vector, or_auto
 from pgimp.schema.dispatch import Either, WithKey
 
 
@@ -47,11 +47,36 @@ class Body(Model):
         "ones, rigid bodies and other bodies, of either formulation, are met where they are. Left "
         "out where the method is chosen: total-lagrangian of what is elastic and keeps together, "
         "updated-lagrangian of what flows or tears",
+        json_schema_extra=or_auto,
     )
     mass: Literal["lumped", "averaged"] | None = Field(
         default=None,
         description="mass of this body's vertices, see `method`; by default that of `method.mass`",
+        json_schema_extra=or_auto,
     )
+    volumetric: Literal["pointwise", "b-bar"] | None = Field(
+        default=None,
+        description="rate of volume change that this body's particles see, see `method`; by "
+        "default that of `method.volumetric`",
+        json_schema_extra=or_auto,
+    )
+
+
+def has_means(body: Body, method: Shape) -> bool:
+    """Whether a body has mean dilatation."""
+    return (body.volumetric or method.volumetric) == "b-bar"
+
+
+def any_means(case: Any) -> bool:
+    """Whether any body of a `Case` has mean dilatation, which 1D has not."""
+    return case.dimensions > 1 and any(has_means(b, case.method) for b in case.bodies.values())
+
+
+def scene_method(case: Any) -> Shape:
+    """Return the method of a `Case` whose steps bear what any of its bodies needs."""
+    volumetric = "b-bar" if any_means(case) else "pointwise"
+    method: Shape = case.method
+    return method.model_copy(update={"volumetric": volumetric})
 
 
 def may_be_exact(bodies: Mapping[str, Body], method: Shape) -> list[bool]:

@@ -132,7 +132,8 @@ class Case(Model):
         description="the shape of the particles, which decides the method. What is left out of it "
         "is chosen, and so are `formulation` and `mass` of bodies, `time.step` and `contact`, by "
         "rules that the page 'Which method' has; `pgimp check` and the run say what and why. In "
-        "format 1 nothing is chosen where shape, particles-per-cell and time.step are given",
+        "format 1 nothing is chosen where shape, particles-per-cell and time.step are given, but "
+        "for keys that say auto",
     )
     time: Time = Field(description="end and step")
     start: StartEntry = Field(default=StartEntry(), description="the state at time 0")
@@ -210,9 +211,9 @@ class Case(Model):
         default=(),
         max_length=60,
         description="what happens where bodies meet. Bodies of a pair that an entry is for have "
-        "velocity fields of their own; all others share one, so that they feel each other up to "
-        "two cells before they touch, and stick together. Left out where the method is "
-        "chosen: bodies that may meet do so without friction; bonded: all stick together",
+        "velocity fields of their own; all others share one, so that they interact up to "
+        "two cells before they touch, and are bonded. Left out where the method is "
+        "chosen, or auto: bodies that may meet do so without friction; bonded: all are",
         json_schema_extra=or_bonded,
     )
     exact: Annotated[Any, ByName(_solutions, "solution")] = Field(

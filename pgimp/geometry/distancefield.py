@@ -43,6 +43,15 @@ class DistanceField(NamedTuple):
         """The middle of the lattice, (3,)."""
         return self.low + 0.5 * self.spacing * (self.shape - 1)
 
+    def least_by_block(self, block: int) -> NDArray[np.float64]:
+        """Least distances by block of so many points by direction, and one beside it, (blocks,)."""
+        least = self.values[:, 0].reshape(tuple(self.shape))
+        for axis, points in enumerate(self.shape.tolist()):
+            ends = [(max(n - 1, 0), min(n + block + 1, points)) for n in range(0, points, block)]
+            parts = [least.take(range(*end), axis).min(axis, keepdims=True) for end in ends]
+            least = np.concatenate(parts, axis)
+        return least.reshape(-1)
+
     def points(self, numbers: NDArray[np.int64], D: int) -> NDArray[np.float64]:
         """Return the positions of points, given by their numbers, (n, D)."""
         places = np.stack(np.unravel_index(numbers, tuple(self.shape)), axis=1)[:, :D]

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from pgimp.case.body import has_means
 from pgimp.case.locations import located
 from pgimp.case.schema import Case
 from pgimp.decomposition.population import Population
@@ -84,14 +85,19 @@ class SceneLoads:
         self.relaxation: float | tuple[()] = (relaxation_rate(case) if moving else 0.0) or ()
         holds = (face.motion(0.0) is not None for face in case.boundaries.values())
         self.affine: float | tuple[()] = 1.0 if case.method.affine and moving else ()
-        volumetric = case.method.volumetric if case.dimensions > 1 else "pointwise"  # same in 1D
-        self.mean: float | np.ndarray | tuple[()] = 1.0 if volumetric == "b-bar" else ()
+        means = np.array([has_means(body, case.method) for body in case.bodies.values()])
+        means &= case.dimensions > 1  # same in 1D
         law = [case.materials[body.material] for body in case.bodies.values()]
         rests = np.array([entry.RESTS for entry in law])
         self.rest: np.ndarray | tuple[()] = rests if rests.any() and any(holds) else ()
-        liquid = np.array([float(entry.LIQUID) for entry in law])
-        if self.averages and case.gravity is not None and liquid.any():
-            self.mean = liquid
+        weighs = case.gravity is not None
+        #: Bodies whose particles always have the rates at their own places.
+        self._alone = ~means | np.array([entry.LIQUID and weighs for entry in law])
+        here = ~np.array(self.lagrangian, bool)
+        self.mean: float | np.ndarray | tuple[()] = ()
+        if means[here].any():
+            self.mean = self._alone.astype(float) if self._alone[here].any() else 1.0
+        self.mean_lagrangian: float | tuple[()] = 1.0 if means[~here].any() else ()
         (self.force, self.water), self.walls = forces, walls
         self.constraints = list(case.constraints.values())
         #: Of each constraint, see `LEAST_PART`; 0 where it holds all vertices that it reaches.
@@ -124,8 +130,8 @@ class SceneLoads:
 
     @property
     def averages(self) -> bool:
-        """Whether cells have one dilatation each."""
-        return not isinstance(self.mean, tuple)
+        """Whether cells have one dilatation each, of any bodies."""
+        return not (isinstance(self.mean, tuple) and isinstance(self.mean_lagrangian, tuple))
 
     @property
     def carried(self) -> dict[str, Any]:
@@ -134,7 +140,7 @@ class SceneLoads:
             "affine": bool(self.affine),
             "viscous": bool(self.viscosity),
             "mean": self.averages,
-            "cell_F": self.averages and any(self.lagrangian),
+            "cell_F": not isinstance(self.mean_lagrangian, tuple),
             "tractions": len(self.tractions),
             "surfaces_loaded": len(self.surfaces.entries),
             "follows_surfaces": bool(self.surfaces.following.any()),
@@ -157,9 +163,9 @@ class SceneLoads:
         )
         source = self.water.at(t, self.force) if self.water else self.force
         force = BodyForce(source, t) if source else ()
-        mean, mean_lagrangian = ((), self.mean) if all(self.lagrangian) else (self.mean, ())
+        mean_lagrangian = self.mean_lagrangian if all(self.lagrangian) else ()
         return Loads(
-            self.viscosity, tractions, force, self.relaxation, self.affine, self.walls, mean,
+            self.viscosity, tractions, force, self.relaxation, self.affine, self.walls, self.mean,
             mean_lagrangian, self.rest, self.surfaces.at(t),
         )  # fmt: skip
 
@@ -201,8 +207,8 @@ class SceneLoads:
     def initialise(self, p: Particles, n: int) -> None:
         """Set patches and constraints of the first `n` particles, in their initial state."""
         rows = slice(0, n)
-        if isinstance(self.mean, np.ndarray):
-            p.isolation[rows, 0] = self.mean[p.body[rows]]
+        if self.averages and self._alone.any():
+            p.isolation[rows, 0] = self._alone[p.body[rows]]
         for i, entry in enumerate(self.tractions):
             mine = np.flatnonzero(p.body[rows] == self.bodies.index(entry.body))
             body = self.case.bodies[entry.body]
@@ -253,7 +259,7 @@ class SceneLoads:
             if counts[i + 1] == 0 and not awaited and (bodies is None or entry.body in bodies):
                 with located(self.case):
                     raise CaseError(
-                        f"constraints.{name}.region: holds no particle of body "
+                        f"constraints.{name}.region: contains no particle of body "
                         f"'{self.constraints[i].body}'; its particles are "
                         f"{', '.join(f'{2 * h:.6g}' for h in self.half)} apart"
                     )

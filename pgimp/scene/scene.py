@@ -7,7 +7,7 @@ import numpy as np
 from pgimp.case.schema import Case
 from pgimp.kernels.data.arguments import KernelScene
 from pgimp.kernels.data.column import Carried
-from pgimp.kernels.data.frame import FRAMES, MixedExactFrame, MixedFrame
+from pgimp.kernels.data.frame import FRAMES, mixed_frame
 from pgimp.kernels.data.particles import Particles, needed_by
 from pgimp.kernels.lagrangian.cell_derivatives import MAX_PER_CELL
 from pgimp.kernels.loads.loads import Loads
@@ -98,8 +98,8 @@ class Scene:
         self.setting_lagrangian = self.setting._replace(shape=settings.initial_shape, frame=start)
         self.order_frame: Any = frame
         if settings.mixed:
-            kind = MixedExactFrame if settings.exact_surfaces.any() else MixedFrame
-            self.order_frame = kind(*domain.frame, settings.lagrangian)
+            exact = bool(settings.exact_surfaces.any())
+            self.order_frame = mixed_frame(domain.frame, settings.lagrangian, exact)
         self.by_cells = self._by_cells()
         self.cell_loads = self._cell_loads()
         self.stateless = self.by_cells and not self.cell_loads

@@ -43,6 +43,14 @@ def chosen(schema: dict[str, Any]) -> None:
     """Document that a key may be left out, and is then chosen."""
     schema.pop("default", None)
     schema["$comment"] = "chosen"
+    or_auto(schema)
+
+
+def or_auto(schema: dict[str, Any]) -> None:
+    """Document the word `auto` beside a key's values: it is chosen, as if it were left out."""
+    keys = ("type", "items", "const", "enum", "anyOf", "oneOf")
+    form = {key: schema.pop(key) for key in keys if key in schema}
+    schema["anyOf"] = [*form.pop("anyOf", [form]), {"const": "auto"}]
 
 
 class Model(BaseModel):

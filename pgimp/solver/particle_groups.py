@@ -135,15 +135,16 @@ class ParticleGroup:
         return found
 
 
+@dataclass
 class InitialGroup(ParticleGroup):
     """Particles in the initial configuration, beside others."""
 
     lagrangian = True
+    mean: float | tuple[()] = ()  #: See `Loads.mean_lagrangian`.
 
     def loaded(self, loads: Loads) -> Loads:
         """See `ParticleGroup.loaded`."""
-        mean = () if isinstance(loads.mean, tuple) else 1.0
-        return loads._replace(mean=(), mean_lagrangian=mean, affine=(), relaxation=())
+        return loads._replace(mean=(), mean_lagrangian=self.mean, affine=(), relaxation=())
 
     def field(self, rank: RankState) -> Field:
         """See `ParticleGroup.field`."""
@@ -223,6 +224,7 @@ def groups_of(rank: RankState, by_cells: bool = False) -> tuple[ParticleGroup, .
         return (CellGroup(scene.setting, order, lattice=lattice),)
     if not scene.settings.mixed:
         return (ParticleGroup(scene.setting, order),)
+    loads = scene.interaction.loads
     rank_in_order = np.empty((2, len(order.rows)), np.int32)
     ends = np.zeros((2, len(order.start)), np.int64)  # as long as the kernel is only noted
     body = population.up_to_date().body
@@ -231,7 +233,7 @@ def groups_of(rank: RankState, by_cells: bool = False) -> tuple[ParticleGroup, .
     orders = [Order(order.rows[found[i]], ends[i]) for i in range(2)]
     return (
         ParticleGroup(scene.setting, orders[0], found[0]),
-        InitialGroup(scene.setting_lagrangian, orders[1], found[1]),
+        InitialGroup(scene.setting_lagrangian, orders[1], found[1], loads.mean_lagrangian),
     )
 
 

@@ -167,7 +167,7 @@ class Rank:
         outflow = (bodies, scene.materials.sums) if settings.escapes else (0, 0)
         constraints = len(scene.interaction.loads.booked_constraints)
         contacts = len(scene.interaction.pairs.kind) if scene.interaction.pairs else 0
-        placed = contacts if scene.settings.initial else 0
+        placed = contacts if scene.settings.by_vertex else 0
         self.ledger = Ledger.empty(
             self.grid.planes, len(scene.domain.faces), constraints, outflow, contacts,
             len(scene.interaction.rigid_bodies),

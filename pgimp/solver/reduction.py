@@ -88,13 +88,15 @@ class StepReduction:
         Whether any rank requests another decomposition.
     vertex_bounds : (2, 2) int64
         First vertices (least, greatest; y, z) that all ranks together have reported.
+    moved : float
+        The greatest `pgimp.solver.contact.base.NoContact.excursion` of all ranks.
     """
 
     def __init__(self, comm: Communicator) -> None:
         self.rate, self.request, self.rebalance_requested = 0.0, Request.NONE, False
-        self.vertex_bounds = np.zeros((2, 2), np.int64)
+        self.vertex_bounds, self.moved = np.zeros((2, 2), np.int64), 0.0
         self._comm = comm
-        self._mine, self._every = np.zeros((2, 7))
+        self._mine, self._every = np.zeros((2, 8))
         self._begun: list[communicator.Request] = []
         self.close = weakref.finalize(self, _complete, self._begun)
         self.open = False
@@ -104,15 +106,16 @@ class StepReduction:
             self._greatest = MPI.MAX
 
     def begin(
-        self, rate: float, request: Request, rebalance_requested: bool, bounds: np.ndarray
-    ) -> None:
+        self, rate: float, request: Request, rebalance_requested: bool, bounds: np.ndarray,
+        moved: float,
+    ) -> None:  # fmt: skip
         """Start the reduction of a step with this rank's values; collective."""
         self.open = True
         if self._comm.size == 1:
-            self.rate, self.request, self.vertex_bounds = rate, request, bounds
+            self.rate, self.request, self.vertex_bounds, self.moved = rate, request, bounds, moved
             return
         mine = self._mine
-        mine[0], mine[5], mine[6] = rate, request, rebalance_requested
+        mine[0], mine[5:] = rate, (request, rebalance_requested, moved)
         np.negative(bounds[0], out=mine[1:3])
         mine[3:5] = bounds[1]
         self._begun.append(self._comm.Iallreduce(mine, self._every, self._greatest))
@@ -126,5 +129,5 @@ class StepReduction:
             self.rate, self.rebalance_requested = float(every[0]), bool(every[6])
             self.request = Request(int(every[5]))
             np.negative(every[1:3], out=self.vertex_bounds[0], casting="unsafe")
-            self.vertex_bounds[1] = every[3:5]
+            self.vertex_bounds[1], self.moved = every[3:5], float(every[7])
         return was_open

@@ -189,7 +189,8 @@ class Simulation(SimulationProgress):
             balance.note(rank.worked, rank.count, number)
         move = reduction.rebalance_requested
         request = Request.ERROR if rank.failed else self.request
-        reduction.begin(rate, request, balance.rebalance_requested, rank.vertex_bounds)
+        moved, bounds = rank.contact.excursion(rank), rank.vertex_bounds
+        reduction.begin(rate, request, balance.rebalance_requested, bounds, moved)
         sort = number % RESORT == 0
         since = number - self.clock.before if self.settling else inf
         watch = self.watch if self.watch and self.watch.due(number) and since >= CALM else None
@@ -251,6 +252,7 @@ class Simulation(SimulationProgress):
         reduction = self.reduction
         if not reduction.end() or self.doing is None:
             return
+        self.rank.contact.note_excursion(reduction.moved)
         known = self.agreed_request if self.agreed_request != Request.PENDING else Request.NONE
         self.rate, self.agreed_request = reduction.rate, max(known, reduction.request)
         last, self.doing = self.now, None

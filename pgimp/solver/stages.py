@@ -54,7 +54,7 @@ def enter(now: Start, case: Case) -> Start:
     Raises
     ------
     RunError
-        On every rank: a constraint that begins and holds no particle, a step that is too long.
+        On every rank: a constraint that begins and contains no particle, a step that is too long.
     """
     rank, comm, records = now.rank, now.comm, now.diagnostic_sums
     old, new = now.scene, Scene(case)
@@ -192,7 +192,7 @@ def _held(rank: Rank, before: Case, new: Scene) -> np.ndarray:
     for i, name, body in new_ones:
         if not counts[i] and body not in {*new.case.staged.awaited, *coming(before, new.case)}:
             raise RunError(
-                f"{new.case.staged.title}: constraints.{name}.region holds no particle of body "
+                f"{new.case.staged.title}: constraints.{name}.region contains no particle of body "
                 f"'{body}' as the stage begins\n"
                 "  try: another region; the checkpoint of the stage before is intact"
             )
@@ -231,7 +231,7 @@ def _booked(scene: Scene) -> tuple[list[Hashable], ...]:
 
 def _placed(scene: Scene, contact: list[Hashable]) -> list[Hashable]:
     """Names of the rows of `Ledger.contact_moments`."""
-    places = PLACES * scene.settings.initial
+    places = PLACES * scene.settings.by_vertex
     return [(name, row) for name in contact for row in range(places)]
 
 

@@ -151,7 +151,7 @@ def _turn(rank: RankState, changed: np.ndarray) -> None:
     rank.call(
         turn_particles,
         scene.settings.shape,
-        scene.domain.frame,
+        scene.order_frame,
         scene.domain.exits,
         population.columns,
         rows,

@@ -78,6 +78,11 @@ class LineFile:
                         break
             os.truncate(self.path, place if last >= 0 else 0)
             self._columns = header.decode().rstrip("\n") if last >= 0 else ""
+            names = ",".join(map(self.renamed, self._columns.split(",")))
+            if names != self._columns:
+                lines_so_far = self.path.read_text().partition("\n")[2]
+                write(self.path, f"{names}\n{lines_so_far}")
+                self._columns = names
         except FileNotFoundError:
             return -1, 0
         except (ValueError, IndexError):
@@ -90,7 +95,7 @@ class LineFile:
         return last, count
 
     def widen(self, columns: Sequence[str], absent: Callable[[str], float]) -> None:
-        """Add columns to a continued file, and give those of an older one new names; on rank 0.
+        """Add columns to a continued file; on rank 0.
 
         Existing columns stay, even if they are not in `columns`.
 
@@ -106,10 +111,9 @@ class LineFile:
         RunError
             If that is not possible; the file is then unchanged.
         """
-        old = self._columns.split(",") if self._columns else []
-        had = [*map(self.renamed, old)]
+        had = self._columns.split(",") if self._columns else []
         self._filled = {name: absent(name) for name in had if name not in columns}
-        if not had or (had == old and all(name in had for name in columns)):
+        if not had or all(name in had for name in columns):
             return
         wide = list(columns) if not self._filled else [*had, *(c for c in columns if c not in had)]
         try:

@@ -1,13 +1,21 @@
 """The tables of what is chosen for a case that names no method, from pgimp's own rules."""
 
-from pgimp.case.choices.rules import BY_MATERIAL, CONTACT, MASS, OF_BODIES, OF_SCENES, Rule
+from pgimp.case.choices.rules import (
+    BY_MATERIAL,
+    CONTACT,
+    MASS,
+    OF_BODIES,
+    OF_SCENES,
+    VOLUMETRIC,
+    Rule,
+)
 
 
 def rules() -> str:
     """All rules, in the order in which they are tried."""
     lines = ["| key | chosen | where | why | figures |", "|---|---|---|---|---|"]
     before = ""
-    for rule in (*OF_BODIES, *MASS, *OF_SCENES, *BY_MATERIAL, *CONTACT):
+    for rule in (*OF_BODIES, *MASS, *VOLUMETRIC, *OF_SCENES, *BY_MATERIAL, *CONTACT):
         key = f"`{_name(rule)}`" if rule.key != before else ""
         before = rule.key
         value = f"`{str(rule.value).lower()}`"

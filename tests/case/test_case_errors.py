@@ -211,7 +211,7 @@ def located_mistakes():
         "beyond": ("{points: {file: far.csv}}", "reaches 1 beyond the domain at x-max"),
         "nothing": (
             "{box: {min: [5.1, 5.1], max: [5.2, 5.2]}}\n    surface: whole",
-            "holds no particle",
+            "contains no particle",
         ),
     }
 

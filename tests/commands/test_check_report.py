@@ -134,7 +134,7 @@ def test_transits_are_those_of_all_stages(capsys, unmeasured):
     data = block(**SI).model_dump(by_alias=True)
     data["time"]["stages"] = [{"name": "on", "end": 3.0e-3}]
     check.report(load(data))
-    assert "; the run lasts 155 transits" in capsys.readouterr().out
+    assert "; the run lasts 155 travel times" in capsys.readouterr().out
 
 
 def test_stages_are_listed_with_their_steps_and_changes(capsys):
@@ -182,7 +182,15 @@ def test_a_small_healthy_case_has_ten_lines(name, pays_off, capsys, monkeypatch)
     assert len(short) <= 10 + more, "\n".join(short)
     text = "\n".join(short)
     assert ("pay off" in text) and ("\nranks " in text) == pays_off
-    for words in ("valid", " particles in ", "transits", "Courant", "memory ", "output ", "time "):
+    for words in (
+        "valid",
+        " particles in ",
+        "travel times",
+        "Courant",
+        "memory ",
+        "output ",
+        "time ",
+    ):
         assert words in text
     check.report(case, verbose=True)
     long = capsys.readouterr().out

@@ -34,8 +34,8 @@ def test_check_prints_what_the_paper_says(column, python):
     assert done.returncode == 0, done.stderr
     text = done.stdout
     # c = sqrt(E/rho0), a transit of 50/c, 2.0/0.05 transits, dt (c + |v|)/L.
-    assert "100 particles; wave speed 1000, transit time 0.05" in text
-    assert "the run lasts 40 transits" in text
+    assert "100 particles; wave speed 1000, travel time 0.05" in text
+    assert "the run lasts 40 travel times" in text
     assert "20,000 to t = 2" in text
     assert "Courant 0.101" in text
     assert "strain by its own weight 0.04, by stopping its velocity 0.01" in text
@@ -53,7 +53,7 @@ def test_check_prints_what_the_paper_says(column, python):
         (
             "bodies.bar={material: bar, surface: whole, region: {box: {min: [0], max: [0.2]}}}",
             2,
-            "bodies.bar.region: holds no particle",
+            "bodies.bar.region: contains no particle",
         ),
     ],
 )

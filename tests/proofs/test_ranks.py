@@ -63,6 +63,8 @@ GO_ON = {
         "surface_stages",
         "surface_rings",
         "surface_round",
+        "mixed_rings",
+        "mixed_round",
         "initial_lattice",
         "averaged_lattice",
         "averaged_contact",

@@ -81,16 +81,6 @@ def test_wrong_plots_say_what_is_wrong(run, tmp_path, capsys, words, says):
     assert not (tmp_path / "p.png").exists()
 
 
-def test_beside_the_current_configuration_a_message_says_why(tmp_path, capsys):
-    bodies = {"solid": box([1.0] * 2, [3.0] * 2) | {"formulation": "total-lagrangian"},
-              "sand": box([4.0, 1.0], [6.0, 3.0])}  # fmt: skip
-    case = scene(2, bodies, output={"surface": ["gap"]}, contact=[{"bodies": "all"}])
-    write_case(tmp_path / "case.yaml", case)
-    assert main([str(tmp_path / "case.yaml"), "-o", str(tmp_path / "out")]) == 2
-    said = " ".join(capsys.readouterr().err.split())
-    assert "'sand': its material has no surface of its own" in said
-
-
 @pytest.mark.parametrize(
     ("more", "says"),
     [

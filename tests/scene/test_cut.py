@@ -96,7 +96,7 @@ def test_thin_plates_exist_with_their_mass(D, thickness):
     high[-1] = low[-1] + thickness
     p, _ = particles(scene(D, body(box(low, high))))
     assert p.m.sum() == pytest.approx(thickness * 3.3 ** (D - 1), rel=1e-8)
-    with pytest.raises(CaseError, match="holds no particle"):
+    with pytest.raises(CaseError, match="contains no particle"):
         particles(scene(D, body(box(low, [*high[:-1], low[-1] + 0.1]), "whole")))
 
 

@@ -42,10 +42,10 @@ def test_a_body_comes_to_a_wall_only_where_nothing_bears_it():
     for others in ({}, {"plate": {"rigid": {}, "region": box([8, 2], [16, 5])["region"]}}):
         entry = contact if others else []
         (text,) = said({"wheel": WHEEL | {"velocity": [0.0, 0.0]}} | others, contact=entry)
-        assert text.startswith("boundaries.y-min: 'wheel' may come near the wall")
+        assert text.startswith("boundaries.y-min: 'wheel' may approach the wall")
     # The plate and the wheel do not feel each other.
     (text,) = said(both, contact=[{"bodies": "all", "law": "ignore"}])
-    assert text.startswith("boundaries.y-min: 'wheel' may come near the wall")
+    assert text.startswith("boundaries.y-min: 'wheel' may approach the wall")
 
 
 def test_a_float_and_lifts_on_each_other_stay_where_they_lie():
@@ -82,7 +82,7 @@ def test_a_rigid_body_out_of_reach_is_no_pair(radius, way, warned):
         "tube": box([0, 0], [1, 1]) | {"region": tube},
         "core": {"rigid": {"velocity": [way / 5.0, 0.0]}, "region": ball},
     }
-    found = [text for text in said(bodies, gravity=[0.0, 0.0]) if "sticks to the rigid" in text]
+    found = [text for text in said(bodies, gravity=[0.0, 0.0]) if "is bonded to the rigid" in text]
     assert len(found) == warned
 
 

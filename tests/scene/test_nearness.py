@@ -112,7 +112,7 @@ def test_who_may_meet():
 def test_walls():
     near = line({"a": (0.75, 4.0, 0.0)}, boundaries={"x-min": "slip"})
     (text,) = nearness.warnings(near)
-    mentions(text, "boundaries.x-min: ", "'a'", "feels", "from 1", "cell away", "pulled away")
+    mentions(text, "boundaries.x-min: ", "'a'", "interacts", "from 1", "cell away", "pulled away")
     assert not nearness.notes(near)
     for low, gravity, count in ((0.0, -0.1, 0), (3.0, 0.0, 0), (3.0, -0.1, 1)):
         parts = {"a": (low, 8.0, 0.0)}, {"gravity": [gravity]}
@@ -159,7 +159,7 @@ def test_liquids_flow_together_and_leave_walls():
     assert not said(water({"a": (5.0, 9.0, 0.0), "b": (14.0, 18.0, -0.5)}))
     coming = {"a": (3.0, 7.0, -0.5)}
     (text,) = nearness.notes(water(coming))
-    assert "feels it from" in text
+    assert "interacts with it from" in text
     assert "pulled away" not in text
     (text,) = nearness.notes(water(coming, tension=True))
     assert "pulled away" in text

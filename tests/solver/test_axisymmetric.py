@@ -222,10 +222,6 @@ def test_a_rigid_disk_at_rest_weighs_on_a_pad():
     assert abs(line["rigid.disk.velocity-y"]) < 1e-3
 
 
-#: What a body in the initial configuration has beside others.
-INITIAL = {"formulation": "total-lagrangian"}
-
-
 @pytest.mark.parametrize(
     ("change", "told"),
     [
@@ -236,10 +232,6 @@ INITIAL = {"formulation": "total-lagrangian"}
         ({"boundaries": {"x-min": "fixed"}}, "boundaries.x-min: is the axis"),
         ({"gravity": [1.0, 0.0]}, "gravity: acts along the axis"),
         ({"bodies.b.velocity": [1.0, 0.0]}, "bodies.b.velocity: is along the axis"),
-        (
-            {"bodies.c": {"material": "m", "region": box([0, 1], [1, 2]), **INITIAL}},
-            "bodies.c.formulation: in axisymmetry all bodies have the same",
-        ),
         (
             {"bodies.disk": DISK | {"velocity": [1.0, 0.0]}},
             "bodies.disk.velocity: is along the axis",

@@ -233,3 +233,30 @@ def test_a_drop_does_not_fall_through_a_slab(drops, size):
     # It comes to rest at least, and leaves again at most as fast as it came.
     push = sim.diagnostics()["contact.all.normal-impulse"] / field(sim, "m")[drop].sum()
     assert 0.9 < push < 2.0
+
+
+def turned(formulation, volumes, bodies="ab", **parts):
+    """Two squares far apart that turn and swell, some steps later."""
+    each = {
+        "a": box([2.0, 2.0], [5.0, 5.0], {"rotation": {"about": [3.3, 3.0], "rate": 0.7}}),
+        "b": box([8.0, 2.0], [11.0, 5.0], {"rotation": {"about": [9.3, 3.0], "rate": 0.7}}),
+    }
+    data = scene(2, {n: each[n] for n in bodies}, cells=[14, 8], step=0.01, end=0.5, **parts)
+    data["materials"]["soft"] |= {"poisson": 0.49}
+    for name in bodies:
+        data["bodies"][name] |= {"formulation": formulation} | volumes.get(name, {})
+    sim = finish(start(data))
+    return field(sim, "x"), field(sim, "sigma")
+
+
+MEAN, OWN = {"volumetric": "b-bar"}, {"volumetric": "pointwise"}
+
+
+@pytest.mark.parametrize("formulation", ["updated-lagrangian", "total-lagrangian"])
+def test_each_body_moves_as_alone(formulation):
+    both = turned(formulation, {"a": MEAN})
+    for bodies, rows, volumes in (("a", slice(0, 36), MEAN), ("b", slice(36, 72), OWN)):
+        alone = turned(formulation, {bodies: volumes}, bodies)
+        for ours, own in zip(both, alone, strict=True):
+            assert np.allclose(ours[rows], own, rtol=1e-9, atol=1e-9)
+    assert not np.allclose(both[1][:36], both[1][36:], rtol=1e-3)  # volumes matter here

@@ -68,10 +68,10 @@ def test_the_ledger_is_the_sum_of_what_left(dimension):
         for name, value in present.items():
             scale = energy if "energy" in name else 100.0 * first["mass"]
             assert line[name] == pytest.approx(value, abs=1e-14 * scale), name
-            assert line[f"escaped.{name}"] == pytest.approx(gone[name], abs=1e-14 * scale), name
+            assert line[f"outflow.{name}"] == pytest.approx(gone[name], abs=1e-14 * scale), name
             # Nothing acts on the block: its momentum is its own and that of what left.
             if name == "mass" or name.startswith("momentum"):
-                total = line[name] + line[f"escaped.{name}"]
+                total = line[name] + line[f"outflow.{name}"]
                 assert total == pytest.approx(first[name], rel=1e-14 if name == "mass" else 1e-11)
         there = sum(present[name] + gone[name] for name in ("kinetic-energy", "strain-energy"))
         assert line["dissipated-energy"] == pytest.approx(energy - there, abs=1e-13 * energy)
@@ -82,7 +82,7 @@ def test_the_ledger_is_the_sum_of_what_left(dimension):
 def test_who_lets_nothing_go_pays_nothing():
     sim = leaving(2, {"x-max": "stop"})
     assert sim.rank.ledger.escaped.size == 0 and sim.scene.domain.exits == 0
-    assert not [name for name in sim.diagnostics() if name.startswith("escaped")]
+    assert not [name for name in sim.diagnostics() if name.startswith("outflow")]
 
 
 @pytest.mark.parametrize(

@@ -52,7 +52,9 @@ def test_a_constraint_that_begins_and_holds_nothing_ends_the_run(tmp_path):
     region = {"box": {"min": [14.0], "max": [16.0]}}
     late = {"late": {"body": "bar", "region": region, "velocity": [0.0]}}
     case = bar({"name": "late", "end": 1.5, "constraints": late})
-    with pytest.raises(RunError, match=r"stage 'late': constraints.late.region holds no particle"):
+    with pytest.raises(
+        RunError, match=r"stage 'late': constraints.late.region contains no particle"
+    ):
         pgimp.run(case, Serial(), tmp_path / "run", quiet=True)
     late["late"]["region"] = PULLED["region"] | {"box": {"min": [5.0], "max": [16.0]}}
     run = pgimp.run(case, Serial(), tmp_path / "run", resume=True, quiet=True)
@@ -67,7 +69,7 @@ def test_a_constraint_that_begins_and_keeps_nothing_ends_the_run():
     wide = {"body": "bar", "region": {"box": {"min": [4.0], "max": [6.0]}}, "velocity": [0.0]}
     narrow = wide | {"region": {"box": {"min": [4.5], "max": [5.5]}}}
     entered(bar({"end": 1.5, "constraints": {"one": wide, "two": narrow}}))
-    with pytest.raises(RunError, match=r"constraints.one.region holds no particle"):
+    with pytest.raises(RunError, match=r"constraints.one.region contains no particle"):
         entered(bar({"end": 1.5, "constraints": {"one": narrow, "two": wide}}))
 
 
@@ -79,7 +81,7 @@ def test_a_constraint_that_would_hold_nothing_is_noticed_at_the_start(capsys):
         {"end": 2.0, "constraints": {"late": hold | {"body": "bar"}, "more": PULLED}},
     )
     sim = start(case)
-    found = [text for text in sim.warnings if "holds no particle" in text]
+    found = [text for text in sim.warnings if "contains no particle" in text]
     assert [text.partition(": ")[0] for text in found] == [
         f"time.stages.{number}.constraints.late.region" for number in (0, 1)
     ]
@@ -90,7 +92,7 @@ def test_a_constraint_that_would_hold_nothing_is_noticed_at_the_start(capsys):
     while not sim.stage_done:
         sim.advance()
     sim.next_stage()  # `waits` has moved by half
-    assert not any("holds no particle" in text for text in start(bar(DIG, HOLD)).warnings)
+    assert not any("contains no particle" in text for text in start(bar(DIG, HOLD)).warnings)
 
 
 def test_a_step_that_is_too_long_for_a_stage_is_refused_before_the_first():

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from pgimp.case.body import may_be_exact
+from pgimp.case.body import any_means, may_be_exact
 from pgimp.case.checks.rigid_bodies import meet_by_surfaces
 from pgimp.case.grid import Grid
 from pgimp.geometry.regions import Points
@@ -24,8 +24,7 @@ def exact_surfaces(case: Any) -> list[bool]:
     the centre of a cell that is filled in part it is not that of its particles, and locks.
     """
     able = may_be_exact(case.bodies, case.method)
-    means = case.method.volumetric == "b-bar" and case.dimensions > 1
-    boxes = (1,) * case.dimensions if means else case.method.particles_per_cell
+    boxes = (1,) * case.dimensions if any_means(case) else case.method.particles_per_cell
     cut = any(able) and (
         case.staged.meets
         or meets(case)

@@ -132,18 +132,10 @@ def check_surface_output(
     if not output.surface:
         return
     path = "output", "surface"
-    now = [name for name, body in bodies.items() if body.formulation == "updated-lagrangian"]
     if not meet_by_surfaces(bodies):
         text = (
             "takes bodies that meet by their surfaces: give them `formulation: total-lagrangian`, "
             "or leave this out"
-        )
-        yield Problem(path, text)
-    elif now:
-        text = (
-            f"is not for cases with a body in the current configuration, '{now[0]}': its material "
-            "has no surface of its own, and what it presses with is known for whole patches only: "
-            "give it `formulation: total-lagrangian`, or leave this out; forces are in the history"
         )
         yield Problem(path, text)
     elif not contact and not any(face.approaches for face in boundaries.values()):

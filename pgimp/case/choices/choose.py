@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
+from pgimp.case.body import has_means
 from pgimp.case.choices.facts import BodyChoice, Meeting, SceneChoice, facts_of, meeting
-from pgimp.case.choices.rules import CONTACT, MASS, OF_BODIES, OF_SCENES, rule_of
+from pgimp.case.choices.rules import CONTACT, MASS, OF_BODIES, OF_SCENES, VOLUMETRIC, Rule, rule_of
 from pgimp.schema.pages import page
 
 #: Stands for `pgimp.case.schema.Case`, whose module imports these.
@@ -16,8 +17,13 @@ Path = tuple[str, ...]
 
 TOTAL, UPDATED = "total-lagrangian", "updated-lagrangian"
 
-#: Keys of `method` that are chosen for the scene.
+#: The word that says of any key of the method that it is chosen.
+CHOSEN = "auto"
+#: Keys of `method` that are chosen for the scene, and those that are chosen by body.
 _OF_METHOD = ("shape", "particles-per-cell", "affine", "volumetric")
+_OF_BODY = ("formulation", "mass", "volumetric")
+#: Most bodies that a line names.
+_NAMED = 3
 #: Kinds of bodies as lines name them.
 _WORDS = {
     "elastic": "elastic", "metal": "a metal", "soil": "soil", "grains": "grains",
@@ -33,6 +39,7 @@ class Choice(NamedTuple):
     reason: str
     page: str  #: As links between pages have it.
     instead: bool = False  #: Whether a better one is refused in the case.
+    whose: tuple[str, ...] = ()  #: Bodies of the scene because of which it is.
 
     def because(self, refused: str) -> Choice:
         """Return it with the problem of the better choice."""
@@ -44,6 +51,7 @@ class Open(NamedTuple):
 
     bodies: tuple[str, ...]  #: Those of a material without `formulation`.
     masses: tuple[str, ...]  #: Those of a material without `mass`.
+    volumes: tuple[str, ...]  #: Those of a material without `volumetric`.
     method: tuple[str, ...]  #: Keys of `_OF_METHOD`.
     step: bool
     contact: bool
@@ -54,10 +62,10 @@ def left_out(data: Mapping[str, Any]) -> Open | None:
     """Find what is to be chosen; None if nothing is, or parts have the wrong form.
 
     A case of format 1 that names shape, particles and step was always whole: what else it leaves
-    out has the defaults of that format.
+    out has the defaults of that format, but for keys that say `auto`.
     """
     method, time, every = (data.get(key) for key in ("method", "time", "bodies"))
-    method = {} if method is None or method == "auto" else method
+    method = {} if method is None or method == CHOSEN else method
     if not (
         isinstance(method, Mapping) and isinstance(time, Mapping) and isinstance(every, Mapping)
     ):
@@ -65,19 +73,46 @@ def left_out(data: Mapping[str, Any]) -> Open | None:
     if data.get("dimensions") not in (1, 2, 3) or isinstance(data.get("dimensions"), bool):
         return None
     whole = {"shape", "particles-per-cell"} <= set(method) and "step" in time
-    bonded = data.get("contact") == "bonded"
-    if data.get("format") != 2 and whole:
-        return Open((), (), (), False, False, True) if bonded else None
+    chooses = data.get("format") == 2 or not whole
+
+    def left(part: Mapping[str, Any], key: str, chooses: bool = chooses) -> bool:
+        value = part.get(key)
+        return (isinstance(value, str) and value == CHOSEN) or (chooses and key not in part)
+
     soft = {k: b for k, b in every.items() if isinstance(b, Mapping) and "rigid" not in b}
+    of_scene = {key: left(method, key) for key in (*_OF_METHOD, "mass")}
+    bodies, masses, volumes = (
+        tuple(n for n, b in soft.items() if left(b, key, of_scene.get(key, chooses)))
+        for key in _OF_BODY
+    )
     found = Open(
-        tuple(name for name, body in soft.items() if "formulation" not in body),
-        tuple(n for n, body in soft.items() if "mass" not in body and "mass" not in method),
-        tuple(key for key in _OF_METHOD if key not in method),
-        "step" not in time,
-        "contact" not in data,
-        bonded,
+        bodies,
+        masses,
+        volumes,
+        tuple(key for key in _OF_METHOD if of_scene[key]),
+        left(time, "step"),
+        left(data, "contact"),
+        data.get("contact") == "bonded",
     )
     return found if any(found) else None
+
+
+def _named(data: Mapping[str, Any]) -> Data:
+    """The case without keys that say `auto`."""
+
+    def named(part: Any, *keys: str) -> Any:
+        if not isinstance(part, Mapping):
+            return part
+        return {k: v for k, v in part.items() if not (k in keys and v is not None and v == CHOSEN)}
+
+    found = named(data, "method", "contact")
+    found["method"] = named(found.get("method", {}), *_OF_METHOD, "mass")
+    if found["method"] is None:
+        found["method"] = {}
+    found["time"] = named(found.get("time"), "step")
+    if isinstance(every := found.get("bodies"), Mapping):
+        found["bodies"] = {name: named(body, *_OF_BODY) for name, body in every.items()}
+    return found  # type: ignore[no-any-return]
 
 
 def without_choice(data: Mapping[str, Any]) -> Data:
@@ -85,12 +120,15 @@ def without_choice(data: Mapping[str, Any]) -> Data:
 
     So that it does not hide what is wrong with them.
     """
-    found, count, time = dict(data), data.get("dimensions"), data.get("time")
-    if found.get("method") in (None, "auto"):
+    found, count = _named(data), data.get("dimensions")
+    time = found["time"] = found["time"] if "time" in data else None
+    if not found["method"]:
         known = count if count in (1, 2, 3) else 1
         found["method"] = {"shape": "gimp", "particles-per-cell": (2,) * int(known or 1)}
     if isinstance(time, Mapping) and "step" not in time:
         found["time"] = {**time, "step": {"courant": 0.3}}
+    if "time" not in data:
+        del found["time"]
     return found
 
 
@@ -108,10 +146,8 @@ def plain(data: Mapping[str, Any], open_keys: Open) -> Data:
 
 
 def filled(data: Mapping[str, Any], values: Mapping[Path, Any]) -> Data:
-    """Return the data with values by their paths; `method: auto` becomes a mapping."""
-    found = dict(data)
-    if found.get("method") in (None, "auto"):
-        found["method"] = {}
+    """Return the data with values by their paths, in place of what says `auto`."""
+    found = _named(data)
     if found.get("contact") == "bonded":
         found["contact"] = ()
     for path, value in values.items():
@@ -171,32 +207,71 @@ def _choices(
     approached = any(face.approaches for face in case.boundaries.values())
     meets = bool(case.contact or case.rigid_bodies or approached or ("contact",) in found)
     scene = SceneChoice(
-        case.dimensions, tuple(facts), tuple(initial), meets, case.start.equilibrate is not None
+        case.dimensions, tuple(facts), tuple(initial), (), meets, case.start.equilibrate is not None
     )
-    for body, one in zip(facts, initial, strict=True):
-        rule = MASS[0]
-        if (
-            may[1]
-            and body.name in open_keys.masses
-            and all(initial)
-            and rule.fits((body, one, scene))
-        ):
-            path = ("bodies", body.name, "mass")
+    each = [(body, one, scene) for body, one in zip(facts, initial, strict=True)]
+    rules = [rule_of(VOLUMETRIC, "volumetric", it) for it in each] if may[2] else []
+    means = _means(case, open_keys, [rule.value == "b-bar" for rule in rules], found)
+    scene = scene._replace(means=means)
+    for it in each:
+        path, rule = ("bodies", it[0].name, "mass"), MASS[0]
+        if may[1] and it[0].name in open_keys.masses and all(initial) and rule.fits(it):
             found[path] = Choice(path, rule.value, rule.reason, rule.page)
     for key in open_keys.method:
+        if key == "volumetric":
+            continue
         rule = rule_of(OF_SCENES, key, scene)
-        value = rule.value
-        if key == "particles-per-cell":
-            value = (value,) * case.dimensions
-        if key == "volumetric" and not may[2]:
-            value = "pointwise"
-        found["method", key] = Choice(("method", key), value, rule.reason, rule.page)
+        value = (rule.value,) * case.dimensions if key == "particles-per-cell" else rule.value
+        found["method", key] = Choice(
+            ("method", key), value, rule.reason, rule.page, whose=_whose(rule, scene)
+        )
     if open_keys.step:
         rule = rule_of(OF_SCENES, "courant", scene)
         found["time", "step"] = Choice(
-            ("time", "step"), {"courant": rule.value}, rule.reason, rule.page
-        )
+            ("time", "step"), {"courant": rule.value}, rule.reason, rule.page,
+            whose=_whose(rule, scene),
+        )  # fmt: skip
     return found
+
+
+def _whose(rule: Rule, scene: SceneChoice) -> tuple[str, ...]:
+    """Names of the bodies that need what a rule takes; () where all do."""
+    if rule.whose is None:
+        return ()
+    pairs = zip(scene.bodies, scene.initial, strict=True)
+    found = tuple(body.name for body, initial in pairs if rule.whose(body, initial))
+    return found if len(found) < len(scene.bodies) else ()
+
+
+def _means(
+    case: Case, open_keys: Open, needs: list[bool], found: dict[Path, Choice]
+) -> tuple[bool, ...]:
+    """Choose mean dilatation by body; which have it.
+
+    The method has it where any body needs it, and the others have a word of their own.
+    """
+    needs = needs or [False] * len(case.bodies)
+    open_bodies = [name in open_keys.volumes for name in case.bodies]
+    of_method = "volumetric" in open_keys.method
+    common = any(n and o for n, o in zip(needs, open_bodies, strict=True))
+    if of_method:
+        rule = VOLUMETRIC[0 if common else 1]
+        names = tuple(n for n, one in zip(case.bodies, needs, strict=True) if one and common)
+        found["method", "volumetric"] = Choice(
+            ("method", "volumetric"), rule.value, rule.reason, rule.page,
+            whose=names if len(names) < len(needs) else (),
+        )  # fmt: skip
+    else:
+        common = case.method.volumetric == "b-bar"
+    means = []
+    for (name, body), need, is_open in zip(case.bodies.items(), needs, open_bodies, strict=True):
+        value = common if is_open else has_means(body, case.method)
+        if is_open and need != common:
+            rule, path = VOLUMETRIC[0 if need else 1], ("bodies", name, "volumetric")
+            found[path] = Choice(path, rule.value, rule.reason, rule.page)
+            value = need
+        means.append(value)
+    return tuple(means)
 
 
 def _contact(met: Meeting) -> tuple[Data, ...]:
@@ -212,7 +287,7 @@ def _met(met: Meeting) -> str:
     named = sorted(met.pairs, key=lambda pair: not pair[2])[:3]
     texts = [f"'{a}' and '{b}'" + " (touch at the start)" * touch for a, b, touch in named]
     more = f" and {len(met.pairs) - 3} more pairs" if len(met.pairs) > 3 else ""
-    return f"frictionless, of {', '.join(texts)}{more}; if they stick together, `contact: bonded`"
+    return f"frictionless, of {', '.join(texts)}{more}; if they are bonded, `contact: bonded`"
 
 
 def bonded(case: Case, every_initial: Iterable[bool]) -> tuple[Data, ...]:
@@ -226,9 +301,7 @@ def lines(case: Case) -> list[str]:
     found: Mapping[Path, Choice] = case.__dict__.get("chosen", {})
     texts = []
     for name in case.bodies:
-        body = [
-            found[p] for p in (("bodies", name, k) for k in ("formulation", "mass")) if p in found
-        ]
+        body = [found[p] for p in (("bodies", name, key) for key in _OF_BODY) if p in found]
         if body:
             values = ", ".join(f"{one.path[-1]} {one.value}" for one in body)
             reasons = "; ".join(one.reason for one in body)
@@ -245,7 +318,12 @@ def lines(case: Case) -> list[str]:
 
 def _text(choice: Choice) -> str:
     if choice.path[-1] == "step":
-        return f"{{courant: {choice.value['courant']}}}"
-    if isinstance(choice.value, tuple):
-        return "[" + ", ".join(map(str, choice.value)) + "]"
-    return str(choice.value).lower()
+        text = f"{{courant: {choice.value['courant']}}}"
+    elif isinstance(choice.value, tuple):
+        text = "[" + ", ".join(map(str, choice.value)) + "]"
+    else:
+        text = str(choice.value).lower()
+    if not choice.whose:
+        return text
+    more = " .." if len(choice.whose) > _NAMED else ""
+    return f"{text} (because of {', '.join(choice.whose[:_NAMED])}{more})"

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import combinations
-from math import isfinite
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from pgimp.case.choices.strains import Strained, greatest
 from pgimp.case.motion.moving_boxes import (
     TOUCH,
     Box,
     clearance,
     faces_with_condition,
+    free_velocities,
+    held_at,
     instants,
     moving_boxes,
 )
-from pgimp.physics.loads.motion import RigidMotion
-from pgimp.physics.rigid import Motion
 
 #: Stands for `pgimp.case.schema.Case`, whose module imports this one.
 Case = Any
@@ -28,8 +28,6 @@ Kind = Literal["elastic", "metal", "soil", "grains", "liquid", "gas", "other"]
 FLOWING = ("soil", "grains", "liquid", "gas")
 #: Least distance, and part of the larger body, within which two bodies may meet.
 _CELLS, _PART = 2.0, 0.1
-#: Strain of grips and tools over that at yield, above which a plastic body collapses.
-_YIELDS = 5.0
 #: Most pairs that are looked at; scenes with more have contact of all.
 _MOST_PAIRS = 2000
 
@@ -41,13 +39,14 @@ class BodyChoice(NamedTuple):
     kind: Kind
     #: Poisson's ratio, its greatest if it varies; 0 where it is unknown.
     poisson: float
-    #: Strain that grips, tools and impacts may cause, at the order of magnitude; of a metal,
-    #: whether that of grips and tools is several times its strain at yield.
+    #: Strain that grips, tools, blows and loads may cause, at the order of magnitude; of a metal,
+    #: whether they flow it plastically several times beyond its strain at yield.
     strain: float
     yields: bool
     fails: bool  #: Whether its material may tear.
     wall: str  #: Face that it may come to, and that holds only what lies on it at the start.
     leaves: bool  #: Whether its particles, or parts of the ground, come or go.
+    sticks: bool  #: Whether it lies on a face that holds it in every direction.
 
 
 class SceneChoice(NamedTuple):
@@ -56,6 +55,7 @@ class SceneChoice(NamedTuple):
     dimensions: int
     bodies: tuple[BodyChoice, ...]
     initial: tuple[bool, ...]  #: Bodies in the initial configuration.
+    means: tuple[bool, ...]  #: Bodies with mean dilatation.
     meets: bool  #: Whether bodies meet others, rigid ones or walls that let go.
     settles: bool
 
@@ -92,22 +92,27 @@ def kind_of(material: Any) -> Kind:
 def facts_of(case: Case) -> list[BodyChoice]:
     """Return the facts about each body of a case that has no problems but of its method."""
     boxes = boxes_of(case)
+    speeds = closing_speeds(case, boxes)
     dug = staged_bodies(case)
     found = []
     for box in boxes:
         material = case.materials[case.bodies[box.name].material]
         kind = kind_of(material)
-        strain, yields = (0.0, False) if kind in FLOWING else _strain(case, box, material, kind)
+        strain, yields = 0.0, False
+        if kind not in FLOWING:
+            body = Strained(case, box, material, kind == "metal", speeds[box.name])
+            strain, yields = body.strain, body.yields
         found.append(
             BodyChoice(
                 box.name,
                 kind,
-                _number(getattr(material, "poisson", 0.0)),
+                greatest(getattr(material, "poisson", 0.0), below=0.5),
                 strain,
                 yields,
                 bool(getattr(material, "damage", None)),
                 next(_walls(case, box), ""),
                 bool(dug) or box.name in case.inflow,
+                any(_sticks(case, box)),
             )
         )
     return found
@@ -146,23 +151,6 @@ def _from_file(body: Any) -> bool:
     return any(part.FROM_FILE or part.WHOLE_BODY for part in body.region.simple())
 
 
-def _most(varying: Any) -> float:
-    """Greatest number in a parameter that varies in space, as the case writes it."""
-    data = varying.model_dump() if hasattr(varying, "model_dump") else varying
-    numbers = [x for x in _numbers(data) if 0.0 <= x < 0.5]
-    return max(numbers, default=0.0)
-
-
-def _numbers(data: Any) -> Iterator[float]:
-    if isinstance(data, dict):
-        data = tuple(data.values())
-    if isinstance(data, tuple | list):
-        for item in data:
-            yield from _numbers(item)
-    elif isinstance(data, float | int) and not isinstance(data, bool):
-        yield float(data)
-
-
 def _walls(case: Case, box: Box) -> Iterator[str]:
     """Faces that the body may come to, which hold only what lies on them at the start."""
     for face, condition, axis, side in faces_with_condition(case):
@@ -171,57 +159,61 @@ def _walls(case: Case, box: Box) -> Iterator[str]:
             yield face
 
 
-def _strain(case: Case, box: Box, material: Any, kind: Kind) -> tuple[float, bool]:
-    """Strain of a solid by grips and tools, or by an impact; and whether the former yields."""
-    sizes, end = np.maximum(box.high[0] - box.low[0], 1e-300), case.time.end
-    ways = [np.zeros(case.dimensions)]
-    for entry in case.constraints.values():
-        if entry.body == box.name and not entry.field:
-            ways.append(np.array([v or 0.0 for v in entry.displacement(end)]))
-    held = len(ways) > 2 or any(  # one grip alone takes the body with it
-        clearance(case, axis, side, box.low[0, axis], box.high[0, axis]) < 1.0
-        for _, _, axis, side in faces_with_condition(case)
-    )
-    apart = np.ptp(ways, axis=0) if held else np.zeros(case.dimensions)
-    for entry in case.constraints.values():  # tools of a material
-        if kind == "metal" and entry.body != box.name and not entry.field:
-            way = np.array([v or 0.0 for v in entry.displacement(end)])
-            apart = np.maximum(apart, np.abs(way))
-    for body in case.rigid_bodies.values():
-        if isinstance(body.rigid, Motion) and body.rigid.moves:
-            way = np.array([body.rigid.displacement(float(t)) for t in instants(case)])
-            way = np.abs(way[:, : case.dimensions]).max(axis=0)
-            apart = np.maximum(apart, way * sizes / np.minimum(sizes, _wide(body.region, way)))
-    grips = float((apart / sizes).max())
-    density, young = _number(material.density), _number(getattr(material, "young", None))
-    strength = _number(getattr(material, "yield_stress", None) or getattr(material, "a", None))
-    speeds = [_speed(body.velocity) for body in case.bodies.values()]
-    closing = _speed(case.bodies[box.name].velocity) or max(speeds)
-    strain = max(grips, closing * (density / young) ** 0.5 if young else 0.0)
-    if kind == "metal" and strength:
-        strain = max(strain, density * closing**2 / strength)  # Johnson's damage number
-    yields = kind == "metal" and young * grips > _YIELDS * strength
-    return (strain, yields) if isfinite(strain) else (1.0, kind == "metal")
+def _sticks(case: Case, box: Box) -> Iterator[bool]:
+    """For each face on which the body lies: whether it holds all components of a motion."""
+    for _, condition, axis, side in faces_with_condition(case):
+        if clearance(case, axis, side, box.low[0, axis], box.high[0, axis]) < 1.0:
+            yield all(held_at(condition, axis, side)[: case.dimensions])
 
 
-def _wide(region: Any, way: np.ndarray) -> float:
-    """Width of a tool across its way: as deep it strains what it sinks into."""
-    if any(part.FROM_FILE for part in region.simple()):
-        return float("inf")
-    low, high = (np.array(end, float) for end in region.bounds())
-    across = (high - low)[way < way.max()]
-    return float(across.min()) if across.size else float("inf")
+def closing_speeds(case: Case, boxes: list[Box]) -> dict[str, float]:
+    """Greatest speed at which each body meets a face, a rigid body or another body."""
+    times, found = instants(case), dict.fromkeys(case.bodies, 0.0)
+    free = free_velocities(case, times)
+    for box in boxes:
+        for _, _, axis, side in faces_with_condition(case):
+            near = clearance(case, axis, side, box.low[:, axis], box.high[:, axis]) < 1.0
+            if near.any():
+                speed = side * free[box.name][int(near.argmax()), axis]
+                found[box.name] = max(found[box.name], float(speed))
+    for one, other, when in _encounters(case, [*boxes, *_rigid_boxes(case, times)]):
+        speed = float(np.linalg.norm(free[one] - free[other], axis=1)[when])
+        for name in (one, other):
+            if name in found:
+                found[name] = max(found[name], speed)
+    return found
 
 
-def _number(value: Any) -> float:
-    return float(value) if isinstance(value, float | int) else _most(value) if value else 0.0
+def _rigid_boxes(case: Case, times: np.ndarray) -> Iterator[Box]:
+    """Boxes of rigid bodies that are no files', along their way; free ones fall."""
+    low, high = np.array(case.grid.origin), np.array(case.grid.corner)
+    for name, entry in case.rigid_bodies.items():
+        if _from_file(entry):
+            continue
+        way = np.zeros((len(times), case.dimensions))
+        if not entry.free:
+            way = np.array([entry.rigid.displacement(float(t)) for t in times])
+        ends = (np.array(end, float) for end in entry.region.bounds())
+        first, last = (end + way[:, : case.dimensions] for end in ends)
+        if entry.free:  # wherever it may go
+            first, last = np.minimum(first, low), np.maximum(last, high)
+        yield Box(name, first, last)
 
 
-def _speed(velocity: Any) -> float:
-    """Speed at which a body begins; of its turning, which strains it, nothing."""
-    if isinstance(velocity, RigidMotion):
-        velocity = velocity.translation
-    return float(np.linalg.norm(velocity)) if isinstance(velocity, tuple) else 0.0
+def _encounters(case: Case, boxes: list[Box]) -> Iterator[tuple[str, str, int]]:
+    """Yield pairs of boxes that come near each other, and the first instant at which they do."""
+    for one, other in combinations(boxes, 2) if len(boxes) ** 2 < 2 * _MOST_PAIRS else ():
+        gap = np.maximum(one.low - other.high, other.low - one.high)
+        step = np.abs(np.diff(gap, axis=0, append=gap[-1:]))
+        near = (gap - step < _near(case, one, other)).all(axis=1)
+        if near.any():
+            yield one.name, other.name, int(near.argmax())
+
+
+def _near(case: Case, one: Box, other: Box) -> np.ndarray:
+    """Distance within which two bodies may meet, by direction, (D,)."""
+    size = max((box.high[0] - box.low[0]).max() for box in (one, other))
+    return np.maximum(_CELLS * np.array(case.grid.cell), _PART * size)
 
 
 class Meeting(NamedTuple):
@@ -232,6 +224,25 @@ class Meeting(NamedTuple):
     together: tuple[tuple[str, ...], ...]
 
 
+def _may_meet(case: Case, boxes: list[Box]) -> Iterator[tuple[str, str]]:
+    """Yield the pairs of bodies that may meet, also after they have bounced off something.
+
+    They cannot where the way that both go, in whatever direction, is shorter than their distance.
+    """
+    times = instants(case)
+    direct = {(one, other) for one, other, _ in _encounters(case, boxes)}
+    steps = np.diff(times, append=times[-1:])[:, None]
+    ways = {
+        name: float(np.linalg.norm(v * steps, axis=1).sum())
+        for name, v in free_velocities(case, times).items()
+    }
+    for one, other in combinations(boxes, 2) if len(boxes) ** 2 < 2 * _MOST_PAIRS else ():
+        gap = np.maximum(one.low[0] - other.high[0], other.low[0] - one.high[0])
+        apart = np.linalg.norm(np.maximum(gap - _near(case, one, other), 0.0))
+        if (one.name, other.name) in direct or apart < ways[one.name] + ways[other.name]:
+            yield one.name, other.name
+
+
 def meeting(case: Case, facts: list[BodyChoice]) -> Meeting:
     """Find the pairs of bodies that may meet, but for those that stay together.
 
@@ -240,21 +251,17 @@ def meeting(case: Case, facts: list[BodyChoice]) -> Meeting:
     flowing = {body.name for body in facts if body.kind in FLOWING}
     boxes, dug, held = boxes_of(case), staged_bodies(case), []
     pairs = []
-    for one, other in combinations(boxes, 2) if len(boxes) ** 2 < 2 * _MOST_PAIRS else ():
-        if one.name in flowing and other.name in flowing:
+    every = {box.name: box for box in boxes}
+    for name, other_name in _may_meet(case, boxes):
+        if name in flowing and other_name in flowing:
             continue
-        near = np.maximum(
-            _CELLS * np.array(case.grid.cell),
-            _PART * max((box.high[0] - box.low[0]).max() for box in (one, other)),
-        )
-        gap = np.maximum(one.low - other.high, other.low - one.high)
-        step = np.abs(np.diff(gap, axis=0, append=gap[-1:]))
-        if (gap - step < near).all(axis=1).any():
-            touching = bool((gap[0] <= TOUCH * np.array(case.grid.cell)).all())
-            if touching and {one.name, other.name} & dug:
-                held.append((one.name, other.name))
-            else:
-                pairs.append((one.name, other.name, touching))
+        one, other = every[name], every[other_name]
+        gap = np.maximum(one.low[0] - other.high[0], other.low[0] - one.high[0])
+        touching = bool((gap <= TOUCH * np.array(case.grid.cell)).all())
+        if touching and {name, other_name} & dug:
+            held.append((name, other_name))
+        else:
+            pairs.append((name, other_name, touching))
     if len(boxes) ** 2 >= 2 * _MOST_PAIRS:
         pairs = [(boxes[0].name, boxes[1].name, False)]
     pairs += [(one, other, False) for other in case.rigid_bodies for one in case.bodies]

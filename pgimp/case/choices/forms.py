@@ -22,10 +22,14 @@ class MethodEntry(ByField):
             entry = handler.resolve_ref_schema(form)
             if entry["properties"]["shape"].get("const") == "gimp":  # of which the others differ
                 entry["required"] = [key for key in entry["required"] if key != "shape"]
-        return {"oneOf": [*forms, {"const": AUTO_METHOD}]}
+                chosen = {key: value for key, value in entry.items() if key != "description"}
+                of_shape = entry["properties"]["shape"] | {"const": AUTO_METHOD}
+                chosen["properties"] = entry["properties"] | {"shape": of_shape}
+                chosen["required"] = ["shape"]
+        return {"oneOf": [*forms, chosen, {"const": AUTO_METHOD}]}
 
 
 def or_bonded(schema: dict[str, Any]) -> None:
-    """Document the word `bonded` beside a list of entries."""
+    """Document the words `bonded` and `auto` beside a list of entries."""
     array = {key: schema.pop(key) for key in ("items", "maxItems", "type") if key in schema}
-    schema["oneOf"] = [array, {"const": "bonded"}]
+    schema["oneOf"] = [array, {"const": "bonded"}, {"const": "auto"}]

@@ -44,6 +44,7 @@ def paths_of(open_keys: Open) -> Iterator[Path]:
     """Yield the paths of all keys that were chosen, or might have been."""
     yield from (("bodies", name, "formulation") for name in open_keys.bodies)
     yield from (("bodies", name, "mass") for name in open_keys.masses)
+    yield from (("bodies", name, "volumetric") for name in open_keys.volumes)
     yield from (("method", key) for key in open_keys.method)
     if open_keys.step:
         yield "time", "step"

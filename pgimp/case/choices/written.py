@@ -6,9 +6,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from ruamel.yaml import YAML
-from ruamel.yaml.nodes import MappingNode, Node
+from ruamel.yaml.nodes import MappingNode, Node, ScalarNode
 
-from pgimp.case.choices.choose import Path
+from pgimp.case.choices.choose import CHOSEN, Path
+from pgimp.case.choices.kept import paths_of
 from pgimp.case.writer import flow
 
 #: Stands for `pgimp.case.schema.Case`, whose module imports the choices.
@@ -29,12 +30,19 @@ def written(text: str, case: Case) -> str:
         What was read from it, without other changes.
     """
     found: Mapping[Path, Any] = case.__dict__.get("chosen", {})
-    values: dict[Path, dict[str, Any]] = {}
-    for path, one in found.items():
-        values.setdefault(path[:-1], {})[path[-1]] = one.value
+    chosen = {path: one.value for path, one in found.items()}
     root = YAML(pure=True).compose(text)
     assert isinstance(root, MappingNode)
     changes: list[tuple[int, int, str]] = []
+    data = case.model_dump(by_alias=True)
+    for path in (*paths_of(case.__dict__["left_out"]), ("method", "mass")) if found else ():
+        node = _at(root, path)
+        if isinstance(node, ScalarNode) and node.value == CHOSEN:
+            value = chosen.pop(path, None) or _at_path(data, path)
+            changes.append((node.start_mark.index, node.end_mark.index, flow(value)))
+    values: dict[Path, dict[str, Any]] = {}
+    for path, value in chosen.items():
+        values.setdefault(path[:-1], {})[path[-1]] = value
     for path, given in values.items():
         _insert(text, root, path, given, changes)
     for start, end, new in sorted(changes, reverse=True):
@@ -87,6 +95,19 @@ def _new(
     if isinstance(value, tuple):
         lines = f"{key}:\n" + "".join(f"  - {flow(one)}\n" for one in value)
     changes.append((at, at, "\n" * (at == len(text) and not text.endswith("\n")) + lines))
+
+
+def _at(node: Node | None, path: Path) -> Node | None:
+    """The value at a path; None if it is not there."""
+    for key in path:
+        node = _child(node, key) if isinstance(node, MappingNode) else None
+    return node
+
+
+def _at_path(data: Any, path: Path) -> Any:
+    for key in path:
+        data = data[key]
+    return data
 
 
 def _child(node: MappingNode, key: str) -> Node | None:

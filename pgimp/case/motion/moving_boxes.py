@@ -88,6 +88,35 @@ def moving_boxes(case: Case, times: np.ndarray) -> list[Box]:
     return boxes
 
 
+def free_velocities(case: Case, times: np.ndarray) -> dict[str, np.ndarray]:
+    """Velocities of all bodies, rigid ones too, if nothing stops them, (instants, D).
+
+    They are right until a body meets something.
+    """
+    fall, found = _integral(_fall(case, times), times), {}
+    for name, body in case.bodies.items():
+        low, high = (np.array(end, float) for end in (case.grid.origin, case.grid.corner))
+        known = not any(part.FROM_FILE for part in body.region.simple())
+        if known:
+            ends = body.region.bounds()
+            low, high = (np.clip(np.array(end, float), low, high) for end in ends)
+        moved = [entry for entry in case.constraints.values() if entry.body == name]
+        if moved and not moved[-1].field:
+            found[name] = _prescribed(moved[-1].motion, times)
+        elif moved or (known and any(_held(case, low, high))):
+            found[name] = np.zeros((len(times), len(low)))
+        else:
+            found[name] = _velocity(body.velocity, 0.5 * (low + high))[0] + fall
+    for name, entry in case.rigid_bodies.items():
+        if entry.free:
+            velocity = getattr(entry.velocity, "translation", entry.velocity)
+            found[name] = fall + (velocity or (0.0,) * case.dimensions)
+        else:
+            values = [entry.rigid.velocities(float(t))[0] for t in times]
+            found[name] = np.array(values)[:, : case.dimensions]
+    return found
+
+
 def _borne(case: Case, starts: np.ndarray, ways: list[np.ndarray]) -> None:
     """Stop boxes where they come to bodies at rest, on which they then lie.
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from pgimp.case.body import any_means, scene_method
 from pgimp.case.checks.exact_surfaces import exact_surfaces
 from pgimp.physics.shapes.averaging import averaged_part
 
@@ -69,7 +70,7 @@ def vertex_limit(case: Any) -> float | None:
     if any(body.formulation != "total-lagrangian" for body in case.bodies.values()):
         return None
     exact = exact_surfaces(case)
-    if method.volumetric == "b-bar" and case.dimensions > 1 and not any(exact):
+    if any_means(case) and not any(exact):
         return None
     if exact and all(exact):
         return averaged_limit(case, EXACT_LIMIT)
@@ -116,7 +117,7 @@ def largest_courant(case: Any) -> float:
     limit = vertex_limit(case)
     if limit is not None:
         return limit
-    limit = case.method.largest_courant(case.dimensions)
+    limit = scene_method(case).largest_courant(case.dimensions)
     if not case.method.in_cell and any(
         b.formulation == "total-lagrangian" for b in case.bodies.values()
     ):

@@ -20,12 +20,6 @@ def _distance(boxes, a, b):
 
 
 @inner_kernel
-def _steps_apart(boxes, reach, a, b):
-    """Steps until two bodies may have a common vertex, if both move by a cell in each."""
-    return 0.5 * max(_distance(boxes, a, b) - reach, 0.0)
-
-
-@inner_kernel
 def _end(boxes, axis, order, n, wide):
     """Offset behind the last body, in the order, that may be within a distance of the `n`-th."""
     most, end = boxes[1, order[n], axis] + wide + _SLACK, n + 1
@@ -44,13 +38,15 @@ def _are_within(boxes, a, b, wide):
 
 
 @kernel
-def find_neighbours(boxes, reach, fewest, axis, order, pairs):
-    """Find the pairs of bodies that may touch within the fewest steps.
+def find_neighbours(boxes, wide, axis, order, pairs):
+    """Find the pairs of bodies whose boxes are less than a distance apart.
 
     Parameters
     ----------
-    boxes, reach, fewest
-        See `colour_bodies`.
+    boxes : (2, bodies, D) float64
+        Least and greatest coordinates by body, in cells; infinite without particles.
+    wide : float
+        The distance in cells, along each direction.
     axis, order : int, (bodies,) int64
         Axis of the sweep, and the bodies in the order of their lower ends along it.
     pairs : (n, 2) int64
@@ -61,11 +57,11 @@ def find_neighbours(boxes, reach, fewest, axis, order, pairs):
     int
         Number of pairs.
     """
-    found, wide = 0, 2.0 * fewest + reach
+    found = 0
     for n in range(len(order)):
         for m in range(n + 1, _end(boxes, axis, order, n, wide)):
             a, b = min(order[n], order[m]), max(order[n], order[m])
-            if _are_within(boxes, a, b, wide) and _steps_apart(boxes, reach, a, b) < fewest:
+            if _are_within(boxes, a, b, wide) and _distance(boxes, a, b) < wide:
                 if found < len(pairs):
                     pairs[found, 0], pairs[found, 1] = a, b
                 found += 1
@@ -73,28 +69,38 @@ def find_neighbours(boxes, reach, fewest, axis, order, pairs):
 
 
 @kernel
-def colour_bodies(boxes, reach, most, axis, order, pairs, scratch, fields):
-    """Set the fields: each body gets the lowest one not used by any body it may touch soon.
+def find_margin(boxes, reach, most, axis, order, fields):
+    """Half of what is between bodies of one field beyond a distance, in cells.
 
     Parameters
     ----------
-    boxes : (2, bodies, D) float64
-        Least and greatest coordinates by body, in cells; infinite without particles.
-    reach : float
-        Distance in cells from which two particles have no common vertex along a direction.
-    most : int
-        Most steps without contact that count.
-    axis, order, pairs
+    boxes, axis, order
         See `find_neighbours`.
-    scratch : (2 * bodies + len(pairs) + 2,) int64
+    reach, most : float
+        The distance; the greatest margin that counts.
+    fields : (bodies,) int64
+        The bodies' fields.
+    """
+    margin = most
+    for n in range(len(order)):
+        for m in range(n + 1, _end(boxes, axis, order, n, 2.0 * margin + reach)):
+            if fields[order[n]] == fields[order[m]]:
+                margin = min(margin, 0.5 * (_distance(boxes, order[n], order[m]) - reach))
+    return margin
+
+
+@kernel
+def colour_bodies(pairs, scratch, fields):
+    """Set the fields: each body gets the lowest one that no body near it with a lower number has.
+
+    Parameters
+    ----------
+    pairs : (n, 2) int64
+        The bodies near each other, see `find_neighbours`.
+    scratch : (2 * bodies + n + 2,) int64
         Scratch, zeros.
     fields : (bodies,) int64
         Set here.
-
-    Returns
-    -------
-    int
-        Steps in which bodies of one field have no common vertex, at most `most`.
     """
     count = len(fields)
     stamps, start = scratch[: count + 1], scratch[count + 1 : 2 * count + 2]
@@ -113,51 +119,33 @@ def colour_bodies(boxes, reach, most, axis, order, pairs, scratch, fields):
         while stamps[own] == b + 1:
             own += 1
         fields[b] = own
-    steps = most
-    for n in range(len(order)):
-        for m in range(n + 1, _end(boxes, axis, order, n, 2.0 * steps + reach)):
-            if fields[order[n]] == fields[order[m]] and _are_within(
-                boxes, order[n], order[m], 2.0 * steps + reach
-            ):
-                alone = _steps_apart(boxes, reach, order[n], order[m])
-                if alone < steps:
-                    steps = int(alone)
-    return steps
 
 
 @kernel
-def find_intervals(boxes, fields, wide, axis, order, ends):
-    """Find intervals along x in which bodies of different fields may have common vertices.
+def find_excursion(frame, x, body, rows, boxes):
+    """Greatest distance, in cells along a direction, of particles outside of their bodies' boxes.
 
     Parameters
     ----------
-    boxes, fields
-        See `colour_bodies`.
-    wide : float
-        Cells by which boxes may be apart.
-    axis, order
-        See `find_neighbours`.
-    ends : (n, 2) float64
-        Filled with the intervals' ends, as far as there is room.
+    x, body : (n, D) float64, (n,) int
+        Coordinates and bodies of particles.
+    rows : (k,) int32
+        The particles to look at.
+    boxes : (2, bodies, D) float64
+        As of `find_neighbours`.
 
     Returns
     -------
-    int
-        Number of intervals.
+    float
+        0 if all are inside.
     """
-    found = 0
-    for n in range(len(order)):
-        for m in range(n + 1, _end(boxes, axis, order, n, wide)):
-            a, b = order[n], order[m]
-            if fields[a] == fields[b] or not _are_within(boxes, a, b, wide):
-                continue
-            if not _distance(boxes, a, b) < wide:
-                continue
-            if found < len(ends):
-                ends[found, 0] = max(boxes[0, a, 0], boxes[0, b, 0]) - 0.5 * wide
-                ends[found, 1] = min(boxes[1, a, 0], boxes[1, b, 0]) + 0.5 * wide
-            found += 1
-    return found
+    most = 0.0
+    for p in rows:
+        b = body[p]
+        for d in range(len(frame.cell)):
+            at = (x[p, d] - frame.origin[d]) * frame.inverse[d]
+            most = max(most, boxes[0, b, d] - at, at - boxes[1, b, d])
+    return most
 
 
 @kernel

@@ -69,6 +69,9 @@ class Contact(NamedTuple):
     vertex_ranges: np.ndarray
     #: The vertices at which pairs act on each other, found once for the passes of a step.
     listed: VertexList
+    #: (planes, y, z) int64: Bits of the fields that have mass at a vertex, see
+    #: `find_contact_vertices`; empty where vertices are not marked.
+    marks: np.ndarray
     present: np.ndarray  #: (fields,) int64: Scratch: fields that may have mass at a vertex.
     #: offsets, bodies: (fields,) int64: Scratch: offsets of the fields' records at a vertex, and
     #: their bodies.
@@ -102,7 +105,7 @@ class Contact(NamedTuple):
         return cls(
             pairs, volumes, np.zeros((0, 0), np.int64),
             np.zeros(planes, np.int64), np.zeros(planes, VERTEX_RANGE), VertexList.empty(planes),
-            np.zeros(most, np.int64), np.zeros(most, np.int64), np.zeros(most, np.int64),
+            np.zeros((0, 0, 0), np.int64), *np.zeros((3, most), np.int64),
             np.zeros(most, FIELD_STATE), np.zeros(count, PAIR_ENDS), np.zeros(count, PAIR_STATE),
             np.zeros((faces, 3)), np.zeros((0, 0, 0), np.int8), rigid_bodies,
         )  # fmt: skip

@@ -11,9 +11,7 @@ from math import sqrt
 
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.contact.select import include
-from pgimp.kernels.data.record import MASS
-from pgimp.kernels.data.used_rows import fields_with, next_bit, rows_with
-from pgimp.kernels.data.velocity_fields import field_size
+from pgimp.kernels.data.used_rows import next_rows, rows_with
 from pgimp.kernels.rigid.bodies import find_distance, least_distance, position_of, turns_back
 from pgimp.kernels.rigid.tents import cut
 
@@ -189,7 +187,7 @@ def fill(rigid_bodies, t, frame, number, sides):
 
 
 @kernel
-def find_rigid_vertices(frame, field, rigid_bodies, near, present, vertex_counts, vertex_ranges):
+def find_rigid_vertices(frame, field, rigid_bodies, near, marks, vertex_counts, vertex_ranges):
     """Count, in each of a rank's planes, the vertices with mass that are near a rigid body.
 
     Parameters
@@ -198,11 +196,12 @@ def find_rigid_vertices(frame, field, rigid_bodies, near, present, vertex_counts
         After the halo exchange.
     near : (planes, y, z) int8
         Set to `NEAR` at these vertices, to `FAR` at other ones that have mass, elsewhere to 0.
-    present, vertex_counts, vertex_ranges
-        As in `find_contact_vertices`; they grow by these vertices.
+    marks : (planes, y, z) int64
+        As `find_contact_vertices` has set them.
+    vertex_counts, vertex_ranges
+        As there; they grow by these vertices.
     """
-    window, G, D = field.window, field.G, len(frame.cell)
-    size = field_size(window)
+    window, D = field.window, len(frame.cell)
     near[:] = 0
     for t in range(len(rigid_bodies.motion)):
         low, high = (0, 0, 0), (0, 0, 0)
@@ -216,16 +215,11 @@ def find_rigid_vertices(frame, field, rigid_bodies, near, present, vertex_counts
                 continue
             left, clear = rows_with(field, i, 1), -1
             while left:
-                begin, end, bit, left = next_bit(field, left)
-                count = fields_with(field, i, bit, present)
+                begin, end, left = next_rows(field, left)
                 for j in range(max(begin, low[1]), min(end, high[1] + 1)):
                     clear = -1 if D > 2 else clear
                     for k in range(low[2], high[2] + 1):
-                        r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
-                        some = False
-                        for n in range(count):
-                            some = some or G[r + present[n] * size + MASS] > 0.0
-                        if not some:
+                        if marks[i, j, k] == 0:
                             continue
                         near[i, j, k] = max(near[i, j, k], FAR)
                         here = k if D > 2 else j

@@ -28,7 +28,7 @@ def contact_forces(contact, faces, frame, field, forcing, last, out):
     listed, lower = contact.listed, window.lower
     for n in range(listed.start[field.owned]):
         number = vertex_number(contact, n)
-        _, pairs = contact_at_vertex(contact, holding, field, n, last)
+        _, pairs, _ = contact_at_vertex(contact, holding, field, n, last)
         vertex = (number[0] - lower[0]) * window.extent[1] + number[1] - lower[1]
         vertex = vertex * window.extent[2] + number[2] - lower[2]
         for pair in range(pairs):

@@ -7,12 +7,13 @@ becomes the body's, with friction, as in an inelastic impact. The impulse counts
 impulses at the vertices, and is booked like them. Of a cut particle the centroid counts.
 """
 
-from math import inf, sqrt
+from math import floor, inf, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
+from pgimp.jit.vectors.simd import lane, vector
 from pgimp.kernels.contact.sliding import sliding_part
 from pgimp.kernels.data.ledger import (
     HEAT,
@@ -24,7 +25,14 @@ from pgimp.kernels.data.ledger import (
     TANGENTIAL_IMPULSE,
 )
 from pgimp.kernels.grid.position_limits import free_part
-from pgimp.kernels.rigid.bodies import RigidBodies, arm_of, find_distance, place_in_lattice
+from pgimp.kernels.rigid.bodies import (
+    BLOCK,
+    RigidBodies,
+    arm_of,
+    find_distance,
+    place_in_lattice,
+    repeat,
+)
 from pgimp.kernels.transfer.lane_io import take_row
 from pgimp.physics.contact.base import UNILATERAL
 from pgimp.physics.contact.pairs import Pairs
@@ -37,6 +45,9 @@ class PenetrationLimits(NamedTuple):
     """Data to hold particles out of rigid bodies in a step."""
 
     rigid_bodies: RigidBodies  #: The rigid bodies at their positions of the step's end.
+    #: (rigid bodies, 3, 4) float64: How a position is turned into the number of a block of each
+    #: body's lattice, by direction: factors of x, y, z, and a number added.
+    blocks: np.ndarray
     pairs: Pairs  #: The laws of contact.
     #: (rigid bodies, 6, 6) float64: Velocities along and about x, y, z of a free body per impulse
     #: and moment. They are times the greatest mass of the particles that it may hold; 0 for others.
@@ -60,14 +71,52 @@ def project_out(limits, forcing, particles, four, x, v, ledger):
     """
     if not is_record(limits):
         return (x, v)
-    held = 0
-    for j in range(four.size):
-        for t in range(len(limits.rigid_bodies.motion)):
-            held += _hold(limits, forcing, particles, four.rows[j], t, four.layer, ledger)
+    near, held = 0, 0
+    for t in range(len(limits.blocks)):
+        near |= _may_be_within(limits, t, x)
+    if near != 0:
+        for j in range(four.size):
+            if near >> j & 1 == 0:
+                continue
+            for t in range(len(limits.rigid_bodies.motion)):
+                held += _hold(limits, forcing, particles, four.rows[j], t, four.layer, ledger)
     if held > 0:
         x = take_row(particles.x, four.rows, 0, x)
         v = take_row(particles.v, four.rows, 0, v)
     return x, v
+
+
+def blocks_of(rigid_bodies: RigidBodies) -> np.ndarray:
+    """See `PenetrationLimits.blocks`."""
+    motion, found = rigid_bodies.motion, np.empty((len(rigid_bodies.motion), 3, 4))
+    turn, spacing = motion["rotation"], motion["spacing"][:, None]
+    found[:, :, :3] = turn.transpose(0, 2, 1)
+    found[:, :, 3] = motion["reference"] - motion["low"] + 0.5 * spacing
+    found[:, :, 3] -= np.einsum("nkd,nk->nd", turn, motion["centre"])
+    found /= BLOCK * spacing[:, None]
+    return found
+
+
+@inlined
+def _may_be_within(limits, t, x):
+    """Bits of those of four points that may be within a lattice's spacing of body `t`.
+
+    Blocks of its lattice tell: of few numbers, which stay in the cache. `x` is a tuple of D Vec4.
+    """
+    if repeat(limits.rigid_bodies):
+        return 15
+    lattice, blocks, at = limits.rigid_bodies.lattice[t], limits.blocks[t], vector(0.0)
+    for d in range(len(x)):
+        place = vector(blocks[d, 3])
+        for k in range(len(x)):
+            place = place + blocks[d, k] * x[k]
+        count = float((lattice.points[d] + BLOCK - 1) // BLOCK)
+        at = at * count + min(max(floor(place), 0.0), count - 1.0)
+    found, spacing = 0, limits.rigid_bodies.motion[t].spacing
+    for j in range(4):
+        first = lattice.first_block + int(lane(at, j))
+        found |= (limits.rigid_bodies.blocks[first] < spacing) << j
+    return found
 
 
 @inner_kernel

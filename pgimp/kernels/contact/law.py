@@ -4,7 +4,7 @@ from math import copysign, inf, sqrt
 
 from pgimp.jit.kernel import inlined, inner_kernel
 from pgimp.kernels.contact.data import fields_of, impulse_of
-from pgimp.kernels.contact.sliding import sliding_part
+from pgimp.kernels.contact.sliding import acts_apart, sliding_part
 from pgimp.kernels.grid.conditions import held_velocity
 from pgimp.kernels.grid.constraints import is_marked
 from pgimp.kernels.grid.faces import beyond_any, face_count
@@ -46,9 +46,10 @@ def find_held(contact, holding, number, count, rigid, last):
     near = beyond_any(holding.faces, face_count(holding.faces), holding.frame, number)
     for a in range(count):
         row = contact.fields[a]
+        inverse = 1.0 / row.mass
         for d in range(3):
             moves = d < len(holding.frame.cell)
-            row.inverse_mass[d] = row.bilateral_inverse_mass[d] = 1.0 / row.mass if moves else 0.0
+            row.inverse_mass[d] = row.bilateral_inverse_mass[d] = inverse if moves else 0.0
         if not (near or is_marked(holding.forcing.marked, contact.offsets[a])):
             continue
         if speed < 0.0:
@@ -122,6 +123,19 @@ def _inverse_mass(field, bilateral, d):
 
 
 @inner_kernel
+def _stay_apart(pairs, entry, row, u, v):
+    """Whether surfaces with velocities u and v that exchange nothing so far need no impulse."""
+    apart, reach = row.gap_rate, row.adhesion + row.shear_adhesion
+    for d in range(3):
+        apart += (v[d] - u[d]) * row.normal[d]
+    for d in range(3):
+        reach += abs(row.tangential_impulse[d])
+    if not (apart >= 0.0 and reach == 0.0 and row.normal_impulse == 0.0):
+        return False
+    return not acts_apart(pairs, entry)
+
+
+@inner_kernel
 def exchange(contact, holding, number, held, pair, last):
     """Exchange the rest of the impulse that the law requires between the fields of a pair.
 
@@ -136,6 +150,8 @@ def exchange(contact, holding, number, held, pair, last):
         u = held_field_velocity(contact, holding, number, a, last)
         v = held_field_velocity(contact, holding, number, b, last)
     tied = contact.pairs.kind[entry] == TIED
+    if not tied and _stay_apart(contact.pairs, entry, row, u, v):
+        return False
     # A rigid body may overcome a unilateral wall, or its friction.
     rigid = first.mass == inf or second.mass == inf
     bilateral = tied or rigid

@@ -3,7 +3,7 @@
 from math import inf
 
 from pgimp.jit.kernel import inlined, inner_kernel, is_record
-from pgimp.kernels.contact.fill import FAR, fill
+from pgimp.kernels.contact.fill import FAR, NEAR, fill
 from pgimp.kernels.rigid.bodies import arm_of, position_of
 from pgimp.kernels.rigid.ring_volume import ring_volume_factor
 
@@ -17,10 +17,13 @@ def has_rigid_bodies(rigid_bodies):
 
 
 @inlined
-def may_be_near(near, rigid_bodies, i, j, k):
-    """Whether rigid bodies may be near a vertex, given by its offsets in the window."""
+def may_be_near(near, rigid_bodies, i, j, k, folded):
+    """Whether rigid bodies may be near a vertex, given by its offsets in the window.
+
+    Where mirrors are `folded` it may have mass only since they are.
+    """
     if is_record(rigid_bodies):
-        return near[i, j, k] != FAR
+        return near[i, j, k] == NEAR or (folded and near[i, j, k] != FAR)
     return False
 
 

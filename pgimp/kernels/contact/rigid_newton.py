@@ -43,7 +43,7 @@ def find_rigid_impulses(contact, faces, frame, field, forcing):
             number = vertex_number(contact, n)
             if not _some_free(rigid_bodies, len(frame.cell), number):
                 continue
-            count, pairs = contact_at_vertex(contact, holding, field, n, True)
+            count, pairs, _ = contact_at_vertex(contact, holding, field, n, True)
             for pair in range(pairs):
                 _add(contact, rigid_bodies, holding, number, pair, count if pairs > 1 else 1, i)
 

@@ -22,6 +22,20 @@ def _find_slope(laws, k, pairs, entry, pressed, stress, slip):
     return _find_slope(laws[1:], k + 1, pairs, entry, pressed, stress, slip)
 
 
+@inlined
+def _act_apart(laws, k, pairs, entry):
+    """Whether the law of an entry, one of `laws`, numbered from `k`, acts without pressure."""
+    if len(laws) == 1 or pairs.law[entry] == k:
+        return not hasattr(class_of(laws[0]), "only_pressed")
+    return _act_apart(laws[1:], k + 1, pairs, entry)
+
+
+@inner_kernel
+def acts_apart(pairs, entry):
+    """Whether the law of an entry may transmit slip without pressure and cohesion."""
+    return _act_apart(pairs.laws, 0, pairs, entry)
+
+
 @inner_kernel
 def sliding_part(pairs, entry, cohesion, pressed, stress, sticking, slip):
     """Part of the sticking tangential impulse that the law of an entry transmits.

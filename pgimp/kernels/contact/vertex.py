@@ -6,16 +6,16 @@ from pgimp.kernels.contact.data import SWEEPS
 from pgimp.kernels.contact.law import exchange, find_held
 from pgimp.kernels.contact.select import clear_range, include
 from pgimp.kernels.contact.vertex_list import load_vertex, vertex_number
-from pgimp.kernels.data.record import ACCELERATION, MASS, MOMENTUM, VELOCITY
-from pgimp.kernels.data.used_rows import fields_with, next_bit, rows_with
-from pgimp.kernels.data.velocity_fields import field_size
+from pgimp.kernels.data.field_marks import has_several, mark_fields
+from pgimp.kernels.data.record import ACCELERATION, MOMENTUM, VELOCITY
+from pgimp.kernels.data.used_rows import next_rows, rows_with
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.kernels.loads.loads import relaxed_part
 from pgimp.kernels.rigid.bodies import move_freely, position_of
 
 
 @kernel
-def find_contact_vertices(field, where, present, vertex_counts, vertex_ranges):
+def find_contact_vertices(field, where, marks, vertex_counts, vertex_ranges):
     """Count the vertices at which several fields have mass, in each of a rank's planes.
 
     Parameters
@@ -23,31 +23,26 @@ def find_contact_vertices(field, where, present, vertex_counts, vertex_ranges):
     field : Field
         After the halo exchange, so that ranks agree in shared planes.
     where : (planes,) bool
-        Which of the planes may hold several fields.
-    present : (fields,) int64
-        Scratch.
+        Which of the planes to look at; others hold no several fields.
+    marks : (planes, y, z) int64
+        Set in their rows with fields, see `mark_fields`.
     vertex_counts : (planes,) int64
         Set here.
     vertex_ranges : (planes,) VERTEX_RANGE
         Set to their ranges, see `select_near`.
     """
-    window, G, size = field.window, field.G, field_size(field.window)
     vertex_counts[:] = 0
     for i in range(len(vertex_counts)):
         clear_range(vertex_ranges[i])
         if field.active[i] == 0 or not where[i]:
             continue
+        mark_fields(field, i, marks)
         left = rows_with(field, i, 2)
         while left:
-            begin, end, bit, left = next_bit(field, left)
-            count = fields_with(field, i, bit, present)
+            begin, end, left = next_rows(field, left)
             for j in range(begin, end):
-                for k in range(window.extent[2]):
-                    r = i * window.stride[0] + j * window.stride[1] + k * window.stride[2]
-                    found = 0
-                    for n in range(count):
-                        found += G[r + present[n] * size + MASS] > 0.0
-                    if found > 1:
+                for k in range(marks.shape[2]):
+                    if has_several(marks[i, j, k]):
                         vertex_counts[i] += 1
                         include(vertex_ranges[i], j, k)
 
@@ -77,7 +72,9 @@ def _apply_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
     dt, listed = forcing.dt, contact.listed
     holding = Holding(faces, frame, forcing, contact.scratch_impulse, forcing.loads.relaxation)
     for n in range(listed.start[i], listed.start[i + 1]):
-        count, pairs = contact_at_vertex(contact, holding, field, n, last)
+        count, pairs, changed = contact_at_vertex(contact, holding, field, n, last)
+        if not changed:
+            continue
         for a in range(count):
             offset = contact.offsets[a]
             for d in range(3):
@@ -110,15 +107,18 @@ def _set_before(contact, rigid_bodies, a, d, G, dt):
 def contact_at_vertex(contact, holding, field, n, last):
     """Find the fields after contact at listed vertex `n`.
 
-    Returns the number of fields with particles, and the number of pairs.
+    Returns the number of fields with particles, the number of pairs, and whether there are any
+    impulses.
     """
     count, rigid, pairs = load_vertex(contact, holding.frame, field, n, last)
     number = vertex_number(contact, n)
     held = find_held(contact, holding, number, count, rigid, last)
+    some = False
     for _ in range(SWEEPS if held or pairs > 1 else 1):
         changed = False
         for pair in range(pairs):
             changed = exchange(contact, holding, number, held, pair, last) or changed
         if not changed:
             break
-    return count, pairs
+        some = True
+    return count, pairs, some

@@ -14,9 +14,10 @@ from pgimp.kernels.contact.rigid_fields import (
 )
 from pgimp.kernels.contact.volumes import VOLUME_CORRECTION
 from pgimp.kernels.data.arguments import Field
+from pgimp.kernels.data.field_marks import fields_marked, has_several, mark_fields
 from pgimp.kernels.data.frame import Frame
 from pgimp.kernels.data.record import FORCE, MASS, MOMENTUM, VELOCITY
-from pgimp.kernels.data.used_rows import fields_with, next_bit, rows_with
+from pgimp.kernels.data.used_rows import next_rows, rows_with
 from pgimp.kernels.data.velocity_fields import field_size
 from pgimp.kernels.grid.faces import on_walls, wall_sides
 from pgimp.kernels.rigid.ring_volume import ring_volume_factor, walled_volume_factor
@@ -33,7 +34,7 @@ class Search(NamedTuple):
 
 
 @kernel
-def list_vertices(contact, faces, frame, field, dt, last):
+def list_vertices(contact, faces, frame, field, dt, last, folded):
     """List the vertices of all planes with contact at which some pairs act on each other.
 
     Their order is that of the planes' vertices. So sums over them go in it too.
@@ -48,6 +49,8 @@ def list_vertices(contact, faces, frame, field, dt, last):
         Length of the step.
     last : bool
         Whether the list is for the last pass, in which free rigid bodies take part.
+    folded : bool
+        Whether mirrors may have given vertices further fields.
     """
     listed, window = contact.listed, field.window
     search = Search(faces, frame, field, dt, last)
@@ -56,14 +59,19 @@ def list_vertices(contact, faces, frame, field, dt, last):
         listed.start[i] = found[VERTICES]
         if field.active[i] == 0 or contact.vertex_counts[i] == 0:
             continue
+        if folded:
+            mark_fields(field, i, contact.marks)
         left = rows_with(field, i, least)
         while left:
-            begin, end, bit, left = next_bit(field, left)
-            most = fields_with(field, i, bit, contact.present)
+            begin, end, left = next_rows(field, left)
             for j in range(begin, end):
                 for k in range(window.extent[2]):
+                    mark = contact.marks[i, j, k]
+                    near = may_be_near(contact.near, contact.rigid_bodies, i, j, k, folded)
+                    if mark == 0 or not (near or has_several(mark)):
+                        continue
                     number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
-                    near = may_be_near(contact.near, contact.rigid_bodies, i, j, k)
+                    most = fields_marked(window, mark, contact.present)
                     found = _add(contact, search, number, most, near, found)
     listed.start[len(contact.vertex_counts)] = found[VERTICES]
     listed.found[VERTICES], listed.found[FIELDS], listed.found[PAIRS] = found

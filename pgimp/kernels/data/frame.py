@@ -116,6 +116,34 @@ class MixedExactFrame(MixedFrame):
     __slots__ = ()
 
 
+class MixedAxialFrame(MixedFrame):
+    """`MixedFrame` of an axisymmetric scene."""
+
+    __slots__ = ()
+
+
+class MixedExactAxialFrame(MixedExactFrame):
+    """`MixedExactFrame` of an axisymmetric scene."""
+
+    __slots__ = ()
+
+
+def mixed_frame(frame: Frame, lagrangian: np.ndarray, exact: bool) -> MixedFrame:
+    """The grid of a frame for bodies of both configurations.
+
+    Parameters
+    ----------
+    lagrangian : (bodies,) bool
+        Mask of the bodies in the initial configuration.
+    exact : bool
+        Whether these are exact to their surface.
+    """
+    kind = MixedExactFrame if exact else MixedFrame
+    if isinstance(frame, AxialFrame):
+        kind = MixedExactAxialFrame if exact else MixedAxialFrame
+    return kind(*frame, lagrangian)
+
+
 class Window(NamedTuple):
     """The part of the grid that a rank stores: its planes, reduced to the range of the particles.
 

@@ -33,13 +33,13 @@ class Loads(NamedTuple):
     affine: float | tuple[()] = ()
     #: For each direction the walls across it that need clearances. () without any.
     approached: tuple[Sides, ...] = ()
-    #: float, (bodies,) float64 or (): A number where cells have one dilatation each. In scenes with
-    #: liquids under gravity an array, 1 for liquids and 0 for other bodies. See
+    #: float, (bodies,) float64 or (): A number where cells have one dilatation each. An array
+    #: where some bodies have none, as liquids under gravity: 1 for these, 0 for others. See
     #: `pgimp.kernels.update.mean_dilatation`.
     mean: float | np.ndarray | tuple[()] = ()
     #: float or (): A number where cells have one dilatation each, of bodies in the initial
     #: configuration. See `pgimp.kernels.update.mean_dilatation_lagrangian`.
-    mean_lagrangian: float | np.ndarray | tuple[()] = ()
+    mean_lagrangian: float | tuple[()] = ()
     #: (bodies,) bool or (): Bodies that come to rest on faces that hold every component. See
     #: `pgimp.kernels.grid.resting`.
     rest: np.ndarray | tuple[()] = ()

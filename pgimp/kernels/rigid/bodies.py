@@ -28,10 +28,15 @@ MOTION = structure(
 )
 
 #: The lattice of a rigid body: its points by direction, their first offset, and the least and the
-#: greatest vertex near the body. Then the body's number among the free ones, else -1.
+#: greatest vertex near the body. Then the body's number among the free ones, else -1, and its first
+#: entry in `RigidBodies.blocks`.
 LATTICE = structure(
-    ("points", "i8", 3), ("first", "i8"), ("least", "i8", 3), ("most", "i8", 3), ("free", "i8")
-)
+    ("points", "i8", 3), ("first", "i8"), ("least", "i8", 3), ("most", "i8", 3), ("free", "i8"),
+    ("first_block", "i8"),
+)  # fmt: skip
+
+#: Points by direction of a block of a lattice, see `RigidBodies.blocks`.
+BLOCK = 4
 
 #: A rigid body at a point: distance, normal and mean distance. At a vertex: filled part, area with
 #: outward normal, and curvature's share of the mean gap from a plane.
@@ -59,6 +64,8 @@ class RigidBodies(NamedTuple):
     lattice: np.ndarray
     #: (points, 5) float64: Values of each `DistanceField`, one body after the other.
     values: np.ndarray
+    #: (blocks,) float64: Least distance at the points of each block, and one point beside it.
+    blocks: np.ndarray
     bodies: int  #: Number of the bodies with particles, which come first.
     point: np.ndarray  #: (1,) SURFACE: Scratch for the last result.
     #: (planes, free bodies) RESPONSE or (): Impulses on free rigid bodies in a step, and their

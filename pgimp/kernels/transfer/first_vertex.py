@@ -11,6 +11,8 @@ from pgimp.kernels.data.frame import (
     AxialFrame,
     AxialInitialFrame,
     InitialFrame,
+    MixedAxialFrame,
+    MixedExactAxialFrame,
     MixedExactFrame,
     MixedFrame,
     PlateFrame,
@@ -36,19 +38,20 @@ def is_initial(frame):
 @of_types
 def is_mixed(frame):
     """Whether a frame, given by its Numba type, belongs to bodies of both configurations."""
-    return frame.instance_class in (MixedFrame, MixedExactFrame)
+    return issubclass(frame.instance_class, MixedFrame)
 
 
 @of_types
 def is_beside_parts(frame):
     """Whether a frame is mixed, with bodies exact to their surface in the initial configuration."""
-    return frame.instance_class is MixedExactFrame
+    return issubclass(frame.instance_class, MixedExactFrame)
 
 
 @of_types
 def is_axial(frame):
     """Whether a frame, given by its Numba type, belongs to an axisymmetric scene."""
-    return frame.instance_class in (AxialFrame, AxialInitialFrame)
+    mixed = MixedAxialFrame, MixedExactAxialFrame
+    return frame.instance_class in (AxialFrame, AxialInitialFrame, *mixed)
 
 
 @of_types
@@ -68,11 +71,12 @@ def coordinate(frame, particles, p, d):
     """Coordinate along `d` of the weights of particle `p`: current or initial."""
     if is_initial(frame):
         return particles.origin[p, d]
+    now = particles.x[p, d]
     if is_axial(frame):
-        return off_axis(frame, (particles.x[p, 0],))[0] if d == 0 else particles.x[p, d]
+        now = off_axis(frame, (now,))[0] if d == 0 else now
     if is_mixed(frame):
-        return particles.origin[p, d] if frame.lagrangian[particles.body[p]] else particles.x[p, d]
-    return particles.x[p, d]
+        return particles.origin[p, d] if frame.lagrangian[particles.body[p]] else now
+    return now
 
 
 @exact
@@ -125,11 +129,11 @@ def deformation(frame, particles, p):
 @inlined
 def half_widths(shape, frame, particles, p):
     """Half-widths of particle `p` in cells; costs nothing where the shape keeps its size."""
+    F = deformation(frame, particles, p)
     if is_axial(frame):
-        return box(
-            shape, frame, deformation(frame, particles, p), (coordinate(frame, particles, p, 0),)
-        )[0]
-    half = size(shape, frame.cell, deformation(frame, particles, p))[0]
+        half = box(shape, frame, F, (coordinate(frame, particles, p, 0),))[0]
+    else:
+        half = size(shape, frame.cell, F)[0]
     if is_beside_parts(frame):
         part = 0.0 if frame.lagrangian[particles.body[p]] else 1.0
         return tuple(part * h for h in half)

@@ -44,5 +44,6 @@ class Sliding(NamedTuple):
     all slip. `slip` is the velocity at which the surfaces slide at the end of the step if they
     transmit none; with a fraction f they slide at (1 - f) `slip`. `stress` is the impulse of a
     unit of stress, area times dt; inf where the area is unknown. Kernels are called for every
-    pair, also apart and without pressure.
+    pair, also apart and without pressure. A law with a function ``only_pressed(law)`` as well is
+    one that then transmits nothing without cohesion, and need not be called.
     """

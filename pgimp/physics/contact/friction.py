@@ -60,6 +60,11 @@ class CoulombParameters(NamedTuple):
     kinetic: float
 
     @staticmethod
+    def only_pressed(law):
+        """See `Sliding`."""
+        return True
+
+    @staticmethod
     def sliding_part(law, cohesion, pressed, stress, sticking, slip):
         """Transmitted fraction of the tangential impulse of sticking."""
         return coulomb_part(law.static, law.kinetic, cohesion, pressed, sticking)

@@ -8,7 +8,7 @@ from pydantic import Field
 from pgimp.jit.kernel import class_of, exact, inlined, of_types
 from pgimp.physics.shapes.courant import LIMITS
 from pgimp.physics.shapes.phases import STABLE_AVERAGE, STRESS, StressOrder
-from pgimp.schema.base import Count, Model, NonNegative, chosen
+from pgimp.schema.base import Count, Model, NonNegative, chosen, or_auto
 from pgimp.schema.dispatch import Either
 
 
@@ -42,6 +42,7 @@ class Shape(Model):
         "spin lasts, waves and slow vibrations lose less; recommended for bodies that move. "
         "Particles that reach a vertex held by a face or a constraint go without the gradient of "
         "the components held there, which would create energy",
+        json_schema_extra=or_auto,
     )
 
     volumetric: Literal["pointwise", "b-bar"] = Field(
@@ -51,6 +52,7 @@ class Shape(Model):
         "cell having one, the mean: nearly incompressible and plastic materials then do not lock. "
         "For boxes (gimp, finite-gimp, cpdi), in either configuration; in 1D it makes no "
         "difference",
+        json_schema_extra=or_auto,
     )
 
     stress: StressOrder = STRESS
@@ -61,6 +63,7 @@ class Shape(Model):
         "own part, with which short waves are slow; averaged, some way from there to the "
         "consistent mass, so that the leading error of waves cancels: a wave of ten cells is four "
         "times as accurate, in steps 0.85 times as long. Settling keeps the lumped mass",
+        json_schema_extra=or_auto,
     )
 
     #: Vertices per direction in a support.

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pgimp.case.choices.facts import kind_of
 from pgimp.case.motion.moving_boxes import held_at
 from pgimp.errors import PgimpError
 from pgimp.io.results.history import read_sums
@@ -203,19 +204,22 @@ def _is_current(case: Case, name: str) -> bool:
 
 
 def _stretched(case: Case, state: BodyState) -> Iterator[Indicator]:
-    """Yield the indicators of the deformation of a solid's boxes in the current configuration."""
-    if not np.isfinite(state.stretch) or not _is_current(case, state.name):
+    """Yield the indicators of the deformation of a solid."""
+    if not np.isfinite(state.stretch) or _flows(case, state.name) or state.name not in case.bodies:
         return
-    if _flows(case, state.name):
+    strain = max(state.stretch - 1.0, 1.0 - state.squeeze, 0.0)
+    if not _is_current(case, state.name):
+        if kind_of(case.materials[case.bodies[state.name].material]) == "metal":
+            yield Indicator("flowed", strain, state.name)
         return
     if not case.method.ends:
         yield Indicator("stretch", state.stretch, state.name)
     if case.method.keeps_size:
-        yield Indicator("size", max(state.stretch - 1.0, 1.0 - state.squeeze, 0.0), state.name)
+        yield Indicator("size", strain, state.name)
 
 
 def _frozen(history: Array, state: BodyState) -> float:
-    """Upper bound of a body's frozen energy, over the run's: what of it varies within cells."""
+    """Upper bound of a body's locked-in energy, over the run's: what of it varies within cells."""
     column = f"body.{state.name}.strain-energy"
     book = energy_book(history)
     if book is None or column not in (history.dtype.names or ()):

@@ -1,4 +1,4 @@
-"""Indicators of accuracy: quantity, comfortable bound, page with the figures, remedy.
+"""Indicators of accuracy: quantity, limit, page with the figures, remedy.
 
 The bounds and their reasons are in docs/report.md, which a test compares with these.
 """
@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
+from pgimp.case.body import any_means
+from pgimp.case.choices.beyond import FLOWED
 from pgimp.schema.pages import page
 
 if TYPE_CHECKING:
@@ -22,11 +24,11 @@ class Rule(NamedTuple):
     """An indicator's quantity and its bound."""
 
     label: str  #: The quantity, as messages and reports name it.
-    bound: float  #: The comfortable value: the greatest, or the least if `least`.
+    bound: float  #: The limit: the greatest, or the least if `least`.
     unit: str  #: ``%`` for a fraction that is shown in per cent; else a word, or nothing.
     page: str  #: The page, with its section, that has the figures.
     remedy: str  #: What lowers the error.
-    least: bool = False  #: Whether values below the bound are the uncomfortable ones.
+    least: bool = False  #: Whether values below the bound are outside.
     of: str = ""  #: What the value is relative to, where the quantity does not say it.
 
     def remedies(self, case: Case | None = None) -> str:
@@ -35,7 +37,7 @@ class Rule(NamedTuple):
         method = None if case is None else case.method
         if method is not None and method.affine:
             parts = [part for part in parts if not part.startswith("method.affine: true")]
-        if method is not None and method.volumetric == "b-bar":
+        if case is not None and any_means(case):
             parts = [part for part in parts if not part.startswith("method.volumetric: b-bar")]
         return "; ".join(parts)
 
@@ -68,7 +70,7 @@ RULES = {
     "lost": Rule("energy lost by the method", 0.05, "%", "methods.md#reasons",
         "smaller cells; method.affine: true; formulation: total-lagrangian for elastic bodies",
         of=_GREATEST),
-    "momentum": Rule("momentum that no force explains", 0.01, "%", "report.md#books",
+    "momentum": Rule("momentum that no force explains", 0.01, "%", "report.md#balances",
         "more lines of the history (history.every)"),
     "inertia": Rule("kinetic over strain energy with mass-scaling", 0.02, "%",
         "case-file.md#mass-scaling", "a lower time.mass-scaling; slower loads, by smooth ramps"),
@@ -85,7 +87,9 @@ RULES = {
         "not"),
     "size": Rule("strain of boxes that keep their size", 0.15, "%", "methods.md#reasons",
         "method.shape: finite-gimp"),
-    "frozen": Rule("possibly frozen energy", 0.03, "%", "hard-cases.md#frozen-stress",
+    "flowed": Rule("strain of a metal in the initial configuration", FLOWED, "%",
+        "metals.md#in-runs", "formulation: updated-lagrangian"),
+    "frozen": Rule("possibly locked-in energy", 0.03, "%", "hard-cases.md#locked-in-stress",
         "an entry of contact for bodies that meet; formulation: total-lagrangian"),
     "stripes": Rule("stress that varies within cells", 0.2, "%", "hard-cases.md#locking",
         "read means over cells; method.volumetric: b-bar for solids"),
@@ -114,7 +118,7 @@ class Indicator(NamedTuple):
 
     @property
     def distance(self) -> float:
-        """Value over bound, or bound over value: above 1 it is uncomfortable."""
+        """Value over bound, or bound over value: above 1 it is outside."""
         rule, value = self.rule, abs(self.value)
         if rule.least:
             return rule.bound / value if value > 0.0 else float("inf")
@@ -122,7 +126,7 @@ class Indicator(NamedTuple):
 
     @property
     def well(self) -> bool:
-        """Whether the value is comfortable."""
+        """Whether the value is within its limit."""
         return self.distance <= 1.0 + 1e-9
 
     @property
@@ -135,7 +139,7 @@ class Indicator(NamedTuple):
 
 
 def line(found: list[Indicator]) -> str:
-    """Return a line about uncomfortable values, the worst first, with a page; empty without any."""
+    """Return a line on values outside limits, the worst first, with a page; empty without any."""
     wrong = sorted((one for one in found if not one.well), key=lambda one: -one.distance)
     if not wrong:
         return ""

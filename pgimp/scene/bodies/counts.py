@@ -50,7 +50,7 @@ def count_all(lattice: Lattice, comm: Communicator) -> Counts:
     for body, name in enumerate(lattice.names):
         if counts[body].sum() == 0 and lattice.counted[body]:
             problems.append(
-                f"bodies.{name}.region: holds no particle: no point of the lattice of "
+                f"bodies.{name}.region: contains no particle: no point of the lattice of "
                 f"{' x '.join(str(n) for n in lattice.per_cell)} particles a cell lies inside; "
                 "use a larger region, smaller cells (grid.cell), more particles per cell or "
                 "surface: cut"

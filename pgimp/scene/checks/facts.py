@@ -82,7 +82,7 @@ def examine(
     Raises
     ------
     CaseError
-        If a constraint holds no particle, as at the start of a run.
+        If a constraint contains no particle, as at the start of a run.
     """
     later = later_constraints(stages)
     found = Findings(

@@ -49,7 +49,7 @@ def idle_warnings(later: Sequence[LaterConstraint], counts: NDArray[np.int64]) -
         if count == 0:
             text = (
                 f"time.stages.{one.case.staged.number - 1}.constraints.{one.name}.region: where "
-                f"the bodies are at the start it holds no particle of "
+                f"the bodies are at the start it contains no particle of "
                 f"'{list(one.case.bodies)[one.body]}'; if none comes there by "
                 f"t = {one.case.staged.start:.6g}, the run ends as the stage begins"
             )

@@ -1,10 +1,11 @@
-"""Warnings of volumetric locking and stress stripes, which ``volumetric`` governs."""
+"""Warnings of volumetric locking and checkerboards of stress, which ``volumetric`` governs."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
+from pgimp.case.body import has_means
 from pgimp.scene.checks.warned import Warned, warned
 
 if TYPE_CHECKING:
@@ -61,7 +62,7 @@ def stripes(case: Case, poisson: Mapping[str, float] | None = None) -> Iterator[
         flow = "flows" if len(bodies) == 1 else "flow"
         yield (
             f"materials.{name}: {_named(bodies)} {flow} plastically, where particles of one cell "
-            "get different pressures (stripes of stress) and too much strength (locking); "
+            "get different pressures (a checkerboard of stress) and too much strength (locking); "
             f"method.volumetric: b-bar keeps it from that{_boxes(case)}"
         )
 
@@ -75,10 +76,11 @@ def _named(bodies: list[str]) -> str:
 def _pointwise(case: Case) -> Iterator[tuple[str, str, Material]]:
     """Bodies with pointwise volumes, with their material and its name."""
     method = case.method
-    if case.dimensions == 1 or method.volumetric == "b-bar" or not method.locks:
+    if case.dimensions == 1 or not method.locks:
         return
     for body, entry in case.bodies.items():
-        yield body, entry.material, case.materials[entry.material]
+        if not has_means(entry, method):
+            yield body, entry.material, case.materials[entry.material]
 
 
 def _ratio(body: str, material: Material, poisson: Mapping[str, float] | None) -> float:

@@ -112,8 +112,8 @@ def _passing(case: Case, boxes: list[Box], times: np.ndarray) -> Iterator[Warned
     if names := _pairs_that_meet(case, boxes, times, sharing(case)):
         yield warned(
             "passing",
-            f"bodies: {names} may meet, but in the initial configuration they do not feel each "
-            "other, and pass through; with contact: [{bodies: all}] they meet, slide and part",
+            f"bodies: {names} may meet, but in the initial configuration they do not "
+            "interact, and pass through; with contact: [{bodies: all}] they meet, slide and part",
         )
 
 
@@ -136,8 +136,8 @@ def _pairs(case: Case, boxes: list[Box], times: np.ndarray) -> Iterator[Warned]:
         yield warned(
             "meeting",
             f"bodies: {names} may meet, and no entry of `contact` says how: they share one "
-            f"velocity field, feel each other when their surfaces are {ranged(near)} cells apart, "
-            "and stick together when closer, in tension and shear too; "
+            f"velocity field, interact when their surfaces are {ranged(near)} cells apart, "
+            "and are bonded when closer, in tension and shear too; "
             "with contact: [{bodies: all}] they touch when they meet, slide and part",
         )
 
@@ -158,13 +158,13 @@ def _walls(case: Case, boxes: list[Box], at_once: bool) -> Iterator[Warned]:
                 pulls |= not law.VOLUME_ONLY or getattr(law, "least", 0.0) < 0.0
         if names:
             more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
-            does, feel, them = (
-                ("does", "feels", "it") if len(names) == 1 else ("do", "feel", "them")
+            does, interact, them = (
+                ("does", "interacts", "it") if len(names) == 1 else ("do", "interact", "them")
             )
             far = f"{near[axis]:.3g} cells" if near[axis] != 1.0 else "1 cell"
-            what = f"may come near the wall, and {feel} it from {far} away"
+            what = f"may approach the wall, and {interact} with it from {far} away"
             if at_once:
-                what = f"{does} not touch the wall, but {feel} it from {far} away"
+                what = f"{does} not touch the wall, but {interact} with it from {far} away"
             held = pulls and not condition.releases
             holds = f"; the wall holds {them} when pulled away, too" if held else ""
             yield warned(
@@ -193,8 +193,8 @@ def _tied(
         yield warned(
             "tied",
             f"bodies: {', '.join(found[:NAMED])}{more} have no entry in `contact`: the material "
-            "sticks to the rigid body where they come together; with contact: [{bodies: all}] it "
-            "touches, slides and parts",
+            "is bonded to the rigid body where they come together; with contact: [{bodies: all}] "
+            "it touches, slides and parts",
         )
 
 

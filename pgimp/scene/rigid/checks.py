@@ -239,7 +239,7 @@ def require_clear(
         if excess <= 0.0:
             return
         text = (
-            f"reaches {depth:.3g} cells into {what}: rigid bodies that move freely feel bodies of "
+            f"reaches {depth:.3g} cells into {what}: rigid bodies that move freely meet bodies of "
             "a material; if some of these have `formulation: total-lagrangian`, "
             "also rigid ones with which they have an entry of `contact`, and walls that let go"
         )

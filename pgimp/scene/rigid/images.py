@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import product
-from math import floor
+from math import ceil, floor
 from typing import NamedTuple
 
 import numpy as np
@@ -83,18 +82,24 @@ def place(
         row["middle"][d] = ring.inside(float(first[d]), way) + (lever[d] if turns else 0.0)
 
 
-def bound(
-    row: NDArray, lattice: NDArray, field: DistanceField, frame: Frame, periods: NDArray
-) -> None:
-    """Set the first and the last vertex near a body."""
+def own_ends(field: DistanceField, reference: Sequence[float]) -> list[list[float]]:
+    """First and last point of a body's lattice from its reference point, as it is at the start."""
     far = field.low + field.spacing * (field.shape - 1)
-    ends = zip(field.low, far, strict=True)
-    corners = np.array(list(product(*ends))) - row["reference"]
+    return [(end - np.array(reference)).tolist() for end in (field.low, far)]
+
+
+def bound(
+    row: NDArray, lattice: NDArray, ends: list[list[float]], frame: Frame, periods: NDArray
+) -> None:
+    """Set the first and the last vertex near a body; `ends` are its lattice's, see `own_ends`."""
+    turn, centre = row["rotation"].tolist(), row["centre"].tolist()
     for d, (origin, inverse) in enumerate(zip(frame.origin, frame.inverse, strict=True)):
         # No matrix product: machines may round it differently.
-        a, b, c = (corners[:, k] * row["rotation"][d, k] for k in range(3))
-        placed = a + b + c + row["centre"][d]
-        low, high = placed.min(), placed.max()
+        each = [(r * a, r * b) for r, a, b in zip(turn[d], *ends, strict=True)]
+        a, b, c = map(min, each)
+        low = a + b + c + centre[d]
+        a, b, c = map(max, each)
+        high = a + b + c + centre[d]
         if periods[d] > 0.0:
             turns = np.floor((0.5 * (low + high) - origin) * inverse / frame.cells[d])
             low, high = low - turns * periods[d], high - turns * periods[d]
@@ -103,8 +108,8 @@ def bound(
                 lattice["least"][d], lattice["most"][d] = 0, frame.vertices[d] - 1
                 continue
         # Also beyond the domain, where bodies in the initial configuration may go.
-        lattice["least"][d] = np.floor((low - origin) * inverse) + frame.ghost - 1
-        lattice["most"][d] = np.ceil((high - origin) * inverse) + frame.ghost + 1
+        lattice["least"][d] = floor((low - origin) * inverse) + frame.ghost - 1
+        lattice["most"][d] = ceil((high - origin) * inverse) + frame.ghost + 1
 
 
 def nearest_image(

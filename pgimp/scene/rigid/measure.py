@@ -118,7 +118,7 @@ def _distances(case: Case, frame: Frame, entry: RigidBody) -> DistanceField:
     if thick < (1.0 - 1e-3) * min(cell):
         raise CaseError(
             f"is {thick:.2g} thick at most, and cells are {min(cell):.6g} wide: what meets it "
-            "would feel both of its sides at once; make it thicker, on a side that meets "
+            "would meet both of its sides at once; make it thicker, on a side that meets "
             "nothing, or the cells smaller"
         )
     points = _points(entry, cell, within)

@@ -18,12 +18,20 @@ from pgimp.geometry.distancefield import DistanceField
 from pgimp.geometry.outline import outline
 from pgimp.geometry.sharpen import sharpened
 from pgimp.kernels.data.frame import Frame
-from pgimp.kernels.rigid.bodies import LATTICE, MOTION, POINT, RESPONSE, RigidBodies
+from pgimp.kernels.rigid.bodies import BLOCK, LATTICE, MOTION, POINT, RESPONSE, RigidBodies
 from pgimp.mpi.collective import on_root
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.rigid import Motion, Pose, Triple
 from pgimp.scene.rigid.free_body import FreeBody, State
-from pgimp.scene.rigid.images import Middle, bound, nearest_image, place, require_short, rings
+from pgimp.scene.rigid.images import (
+    Middle,
+    bound,
+    nearest_image,
+    own_ends,
+    place,
+    require_short,
+    rings,
+)
 from pgimp.scene.rigid.measure import lattice_points, measure, require_densities
 
 #: Compliance of a free body against held fields, over its compliance as a free body. This fraction
@@ -57,6 +65,8 @@ class SceneRigidBodies:
         list of str.
     entries
         list of RigidBody.
+    moving : list of int
+        The numbers of those that may move: others are placed once.
     fields : list of DistanceField
         Their distances, after `measure`.
     rate : float
@@ -75,6 +85,7 @@ class SceneRigidBodies:
         self.case, self.frame, self.periods = case, frame, periods
         self.rings = rings(frame, periods)
         self.names, self.entries = list(case.rigid_bodies), list(case.rigid_bodies.values())
+        self.moving = [number for number, entry in enumerate(self.entries) if entry.moves]
         self.fields: list[DistanceField] = []
         self.rate = 0.0
         self.free: dict[int, FreeBody] = {}
@@ -87,7 +98,9 @@ class SceneRigidBodies:
         self.by_surfaces = meet_by_surfaces(case.bodies)
         self.meets_walls = False  # those that let go
         self._kept: RigidBodies | None = None
-        self._placed: dict[int, bytes] = {}
+        self._placed: dict[int, tuple] = {}
+        self._poses: dict[int, tuple[float, Pose]] = {}
+        self._own_ends: list[list[list[float]]] = []
 
     def __len__(self) -> int:
         """Return the number of rigid bodies."""
@@ -206,12 +219,17 @@ class SceneRigidBodies:
 
     def poses(self, time: float, states: list[State]) -> list[Pose]:
         """Return the poses of all bodies at a time; `states` are the free bodies'."""
-        free = zip(self.free.items(), states, strict=True)
-        placed = {number: body.pose(state) for (number, body), state in free}
-        return [
-            entry.rigid.pose(time) if isinstance(entry.rigid, Motion) else placed[number]
-            for number, entry in enumerate(self.entries)
-        ]
+        free = dict(zip(self.free, states, strict=True))
+        return [self.pose(number, time, free) for number in range(len(self))]
+
+    def pose(self, number: int, time: float, free: Mapping[int, State]) -> Pose:
+        """Return the pose of a body at a time; `free` are the states of the free ones."""
+        motion = self.entries[number].rigid
+        if isinstance(motion, Motion):
+            if self._poses.get(number, (None,))[0] != time:  # the end of a step begins the next
+                self._poses[number] = time, motion.pose(time)
+            return self._poses[number][1]
+        return self.free[number].pose(free[number])
 
     def nearest(self, name: str, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return points that lie to a body at the start as `x`, (n, D), do to its nearest image."""
@@ -235,23 +253,22 @@ class SceneRigidBodies:
         """
         rigid_bodies, states = self.arrays(), self.first if states is None else states
         free = dict(zip(self.free, states, strict=True))
-        for number, (pose, entry, field) in enumerate(
-            zip(self.poses(start, states), self.entries, self.fields, strict=True)
-        ):
+        for number in self.moving if self._placed else range(len(self)):
             row, lattice = rigid_bodies.motion[number], rigid_bodies.lattice[number]
-            if isinstance(motion := entry.rigid, Motion):
+            pose = self.pose(number, start, free)
+            if isinstance(motion := self.entries[number].rigid, Motion):
                 before, after = motion.velocities(start), motion.velocities(end)
-                parts = *pose, *before, *after, motion.displacement(start)
-                placed = np.concatenate(parts).tobytes()
-                if self._placed.get(number) == placed:  # mostly at rest
+                placed = (pose, before, after, motion.displacement(start))
+                if self._placed.get(number) == placed:  # it waits for its time
                     continue
                 self._placed[number] = placed
-                row["velocity_before"], row["velocity_after"] = map(np.concatenate, (before, after))
+                row["velocity_before"] = before[0] + before[1]
+                row["velocity_after"] = after[0] + after[1]
             else:
                 for name in ("velocity_before", "velocity_after"):
                     row[name] = self.free[number].velocities(free[number])
             self.place(row, number, pose, start, free)
-            bound(row, lattice, field, self.frame, self.periods)
+            bound(row, lattice, self._own_ends[number], self.frame, self.periods)
         return rigid_bodies
 
     def place(
@@ -299,9 +316,10 @@ class SceneRigidBodies:
         """Return the kernels' constant data, and storage for the other data."""
         if self._kept is None:
             self._placed.clear()
+            self._own_ends = [own_ends(f, self.reference(n)) for n, f in enumerate(self.fields)]
             count = len(self.entries)
             motion, lattice = np.zeros(count, MOTION), np.zeros(count, LATTICE)
-            first = 0
+            first, blocks = 0, [np.zeros(0)]
             for number, field in enumerate(self.fields):
                 row, one = motion[number], lattice[number]
                 row["reference"] = self.reference(number)
@@ -310,13 +328,16 @@ class SceneRigidBodies:
                 one["free"] = [*self.free].index(number) if number in self.free else -1
                 if number in self.free:
                     row["compliance"] = SOFT / self.free[number].bulk.mass
+                one["first_block"] = sum(map(len, blocks))
                 first += len(field.values)
+                blocks.append(field.least_by_block(BLOCK))
             values = np.concatenate([np.zeros((0, 5)), *(field.values for field in self.fields)])
             point, bodies = np.zeros(1, POINT), len(self.case.bodies)
             periods = np.array([*self.periods, 0.0, 0.0][:3]) if self.periods.any() else ()
             self._kept = RigidBodies(
-                motion, lattice, values, bodies, point, self._answers(0), periods
-            )
+                motion, lattice, values, np.concatenate(blocks), bodies, point, self._answers(0),
+                periods,
+            )  # fmt: skip
         return self._kept
 
     def in_planes(self, planes: int) -> RigidBodies:

@@ -63,6 +63,16 @@ class NoContact:
     def assign_fields(self, rank: RankState) -> None:
         """Assign velocity fields to bodies: a common one to bodies that cannot touch soon."""
 
+    def excursion(self, rank: RankState) -> float:
+        """Cells by which the rank's particles have left their bodies' boxes of the last search.
+
+        Called after each step, once.
+        """
+        return 0.0
+
+    def note_excursion(self, greatest: float) -> None:
+        """Note the greatest `excursion` of all ranks after a step."""
+
     @property
     def assignment(self) -> np.ndarray:
         """State of `assign_fields` for checkpoints, int64; empty if it follows from the case.

@@ -8,7 +8,7 @@ def contact_kind(scene: Scene) -> type[NoContact]:
     """Return the class of a scene's contact."""
     meets = scene.interaction.pairs or scene.domain.unilateral_walls
     if scene.settings.mixed:
-        from pgimp.solver.contact.surfaces.beside import MixedContact
+        from pgimp.solver.contact.material.mixed import MixedContact
 
         return MixedContact
     if meets and scene.settings.initial:

@@ -9,8 +9,10 @@ import numpy as np
 
 from pgimp.decomposition.grid import Grid
 from pgimp.decomposition.population import Population
+from pgimp.errors import DamagedError
 from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import marked, needed
+from pgimp.kernels.contact.colouring import find_excursion
 from pgimp.kernels.contact.data import Contact
 from pgimp.kernels.contact.fill import find_rigid_vertices
 from pgimp.kernels.contact.forces import contact_forces
@@ -26,11 +28,21 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.base import NoContact
 from pgimp.solver.contact.free_bodies import FreeBodies
-from pgimp.solver.contact.velocity_fields import assign, body_boxes, reach, where_near
+from pgimp.solver.contact.velocity_fields import (
+    MARGIN,
+    assign,
+    body_boxes,
+    margin_of,
+    reach,
+    where_near,
+)
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
 from pgimp.solver.vertex_sums import VertexSums
 from pgimp.solver.vertices import VertexUpdate
+
+#: Coordinates of the boxes of bodies without particles, in checkpoints.
+_EMPTY = 1e300
 
 #: With contact in more than this part of the planes, all their particles count as near.
 _MOST_OF_A_PLANE = 0.6
@@ -65,7 +77,9 @@ class MultifieldContact(NoContact):
         self.fields = (0,) * len(scene.body_names)
         self.free = FreeBodies(scene, comm) if scene.interaction.rigid_bodies.free else None
         self._reach = reach(scene)
-        self._steps = 0
+        self._boxes = np.empty((2, 0, scene.dimension))  # of the last search, or of none so far
+        self._margin, self._moved = MARGIN, [0.0, 0.0]  # how far they may move, and have moved
+        self._taken = self._noted = 0  # steps since then, and those of which ranks have heard
         self._intervals = np.empty((0, 2))
         self._where: Any = None
         self._rows = np.empty(0, np.int32)
@@ -77,36 +91,76 @@ class MultifieldContact(NoContact):
         return self.data.rigid_bodies if self.data else ()
 
     def assign_fields(self, rank: RankState) -> None:
-        """See `NoContact.assign_fields`; when it is due, once before a step."""
-        if self._steps == 0:
-            boxes = self._boxes(rank)
-            self._share(rank, boxes, *assign(boxes, self._reach))
+        """See `NoContact.assign_fields`; when bodies may have left their margins.
+
+        Ranks that wait for each other have heard of one step more. No rank makes use of that.
+        """
+        last = (self._taken - 1) // self._every * self._every
+        known = self._moved[0 if self._noted // self._every * self._every > last else 1]
+        if self._boxes.shape[1] and known + self._taken - max(last, 0) <= self._margin:
+            return
+        self._moved, self._taken, self._noted = [0.0, 0.0], 0, self._noted - self._taken
+        population, count = rank.population, len(self.fields)
+        self._boxes = body_boxes(
+            self.scene.domain, population.up_to_date(), population.order, count, self.comm
+        )
+        self._share(rank)
+
+    def _share(self, rank: RankState, fields: tuple[int, ...] = ()) -> None:
+        """Use given fields, or those for the boxes of the bodies, until the next search."""
+        self.fields = fields or assign(self._boxes, self._reach)
+        self._margin = margin_of(self._boxes, self._reach, self.fields)
+        wide = 2.0 * self._margin + self._reach
+        self._intervals, self._where = where_near(self._boxes, wide, self.fields), None
+        if self.fields != rank.grid.fields:
+            rank.grid.regroup(self.fields)
+
+    @property
+    def _every(self) -> int:
+        """Steps from one look at how far bodies have moved to the next."""
+        return max(int(0.5 * self._margin), 1)
+
+    def excursion(self, rank: RankState) -> float:
+        """See `NoContact.excursion`; 0 in steps without a look."""
+        p, rows = rank.population.up_to_date(), rank.population.order
+        self._taken += 1
+        if not needed(self._taken % self._every == 0):
+            return 0.0
+        return self.call(find_excursion, self.scene.domain.frame, p.x, p.body, rows, self._boxes)
+
+    def note_excursion(self, greatest: float) -> None:
+        """See `NoContact.note_excursion`; that of a step before the last search is of no use."""
+        self._noted += 1
+        if self._noted > 0 and self._noted % self._every == 0:
+            self._moved = [self._moved[1], greatest]
 
     @property
     def assignment(self) -> np.ndarray:
-        """See `NoContact.assignment`: steps for which the fields still hold, and the fields."""
-        return np.array([self._steps, *self.fields], np.int64)
+        """See `NoContact.assignment`: 0, and the fields."""
+        return np.array([0, *self.fields], np.int64)
+
+    @property
+    def search(self) -> np.ndarray:
+        """See `NoContact.search`: how far bodies have moved, in how many steps, and from where."""
+        boxes = np.clip(self._boxes, -_EMPTY, _EMPTY)
+        return (
+            np.array([*self._moved, self._taken, *boxes.flat, *[0.0] * 8])
+            if self.comm.rank == 0
+            else np.empty(0)
+        )
+
+    def restore_search(self, search: np.ndarray) -> None:
+        """See `NoContact.restore_search`."""
+        if len(search) != 11 + 2 * len(self.fields) * self.scene.dimension:
+            raise DamagedError("its search for contact is of other bodies")
+        self._moved, self._taken = search[:2].tolist(), int(search[2])
+        self._noted = self._taken
+        self._boxes = search[3:-8].reshape(2, len(self.fields), -1).copy()
 
     def restore(self, rank: RankState, assignment: np.ndarray) -> None:
-        """See `NoContact.restore`."""
-        steps, *fields = assignment.tolist()
-        self._share(rank, self._boxes(rank), tuple(fields), steps)
-
-    def _boxes(self, rank: RankState) -> np.ndarray:
-        """Boxes of the bodies; collective."""
-        population, domain = rank.population, self.scene.domain
-        count = len(self.fields)
-        return body_boxes(domain, population.up_to_date(), population.order, count, self.comm)
-
-    def _share(
-        self, rank: RankState, boxes: np.ndarray, fields: tuple[int, ...], steps: int
-    ) -> None:
-        """Use an assignment for some steps."""
-        grid, self.fields, self._steps = rank.grid, fields, steps
-        self._intervals = where_near(boxes, fields, self._reach, steps)
-        self._where = None
-        if fields != grid.fields:
-            grid.regroup(fields)
+        """See `NoContact.restore`; after `restore_search`."""
+        if self._boxes.shape[1]:
+            self._share(rank, tuple(assignment[1:].tolist()))
 
     def detect(self, rank: RankState, t: Step, ledger: Ledger) -> None:
         """See `NoContact.detect`; volumes are summed at contact vertices."""
@@ -125,7 +179,7 @@ class MultifieldContact(NoContact):
             find_contact_vertices,
             grid.field,
             self._where,
-            contact.present,
+            contact.marks,
             contact.vertex_counts,
             contact.vertex_ranges,
         )
@@ -139,7 +193,7 @@ class MultifieldContact(NoContact):
                 grid.field,
                 placed,
                 contact.near,
-                contact.present,
+                contact.marks,
                 contact.vertex_counts,
                 contact.vertex_ranges,
             )
@@ -154,7 +208,6 @@ class MultifieldContact(NoContact):
         The impulses on free rigid bodies depend on their new velocities, which depend on them: both
         are solved for, between two parts of the update.
         """
-        self._steps -= 1
         self._list(rank, update, False)
         if self.free is None:
             self.advance(rank, update, WHOLE)
@@ -222,13 +275,16 @@ class MultifieldContact(NoContact):
                 rank.grid.field,
                 update.t.dt,
                 last,
+                bool(self.scene.domain.mirrors or self.scene.domain.absorbing_mirrors),
             )
             if self.data.listed.fits():
                 return
             self.data = self.data._replace(listed=self.data.listed.with_room())
 
     def _find_planes(self, grid: Grid) -> np.ndarray:
-        """Find the planes of possible contact between different fields until they are regrouped."""
+        """Find the planes of possible contact until fields are regrouped: all for rigid bodies."""
+        if self.scene.interaction.rigid_bodies:
+            return np.ones(grid.planes, bool)
         first, planes = int(grid.window.lower[0]) - self.scene.domain.frame.ghost, grid.planes
         begin = np.clip(np.ceil(self._intervals[:, 0]) - first, 0, planes).astype(np.int64)
         end = np.clip(np.floor(self._intervals[:, 1]) + 1 - first, 0, planes).astype(np.int64)
@@ -249,10 +305,13 @@ class MultifieldContact(NoContact):
                 len(scene.domain.faces),
                 rigid_bodies.in_planes(grid.planes) if rigid_bodies else (),
             )
-        near = self.data.near
+        near, marks = self.data.near, self.data.marks
+        if marks.shape != grid.window.extent:
+            marks = np.zeros(grid.window.extent, np.int64)
         if rigid_bodies and near.shape != grid.window.extent:
             near = np.zeros(grid.window.extent, np.int8)
-        self.data = self.data._replace(volumes=sums.G, used=sums.field.used, near=near)
+        new = {"volumes": sums.G, "used": sums.field.used, "near": near, "marks": marks}
+        self.data = self.data._replace(**new)
 
     def _near(self, grid: Grid, population: Population, planes: np.ndarray) -> Order:
         """Find the particles that may have weight on contact vertices, in some of the planes."""

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from pgimp.jit.bound import Bound
-from pgimp.kernels.contact.hold import PenetrationLimits, count_inside, count_near
+from pgimp.kernels.contact.hold import PenetrationLimits, blocks_of, count_inside, count_near
 from pgimp.kernels.data.arguments import Forcing, Order
 from pgimp.kernels.data.ledger import RIGID_WORK
 from pgimp.kernels.data.particles import Particles
@@ -31,13 +31,16 @@ QUARTER = 0.25
 def placed(rigid_bodies: SceneRigidBodies, time: float, states: list[State] | None) -> RigidBodies:
     """Return rigid bodies with their positions and velocities at a time."""
     kept, states = rigid_bodies.arrays(), rigid_bodies.first if states is None else states
+    if not kept.motion["rotation"].any():  # never placed yet
+        rigid_bodies.at(time, time, states)
     motion = kept.motion.copy()
     free = dict(zip(rigid_bodies.free, states, strict=True))
-    for number, pose in enumerate(rigid_bodies.poses(time, states)):
+    for number in rigid_bodies.moving:
         row, rigid = motion[number], rigid_bodies.entries[number].rigid
-        rigid_bodies.place(row, number, pose, time, free)
+        rigid_bodies.place(row, number, rigid_bodies.pose(number, time, free), time, free)
         if isinstance(rigid, Motion):
-            row["velocity_after"] = np.concatenate(rigid.velocities(time))
+            linear, angular = rigid.velocities(time)
+            row["velocity_after"] = linear + angular
     for (number, body), state in zip(rigid_bodies.free.items(), states, strict=True):
         motion["velocity_after"][number] = body.velocities(state)
     return kept._replace(motion=motion, responses=())
@@ -67,7 +70,9 @@ class PenetrationCorrection(StepPart):
             if free:
                 mass = self._near(bodies, population.columns, population.order)
                 self._set_compliance(free, mass)
-            self._kept = PenetrationLimits(bodies, pairs, self._compliance, self._impulses)
+            self._kept = PenetrationLimits(
+                bodies, blocks_of(bodies), pairs, self._compliance, self._impulses
+            )
         return forcing._replace(limits=self._kept)
 
     def _set_compliance(self, free: FreeBodies, mass: np.ndarray) -> None:

@@ -1,4 +1,4 @@
-"""Assignment of velocity fields: bodies that cannot touch within the next steps share one.
+"""Assignment of velocity fields: bodies that cannot touch before the next search share one.
 
 A body has a separate field only near possible partners, so that distant bodies, or a hundred
 grains, need a handful of fields. Bodies in one field have no common vertices. Their distances are
@@ -12,11 +12,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.colouring import (
     bound_bodies,
     colour_bodies,
-    find_intervals,
+    find_margin,
     find_neighbours,
 )
 from pgimp.kernels.data.particles import Particles
@@ -25,13 +24,9 @@ from pgimp.scene.domain import Domain
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.grown import grown
 
-#: Least number of steps without contact for bodies that share a field, and the most before the next
-#: search. In a step a particle moves by a cell at most, or the run ends.
-MIN_FIELDS, MAX_FIELDS = 2, 64
-
-#: The most steps with several fields: between two searches bodies may move by as many cells, and
-#: planes are searched that far around them.
-NEAR = 16
+#: Cells by which bodies may move between two searches, each out of its box: at least, and at most.
+#: In a step it is one, or the run ends. Of the last step it is not yet known when the next begins.
+MARGIN, MOST = 1.5, 8.0
 
 #: Cells by which boxes reach beyond a periodic domain, as its particles may.
 _FAR = 4.0
@@ -68,58 +63,49 @@ def reach(scene: Scene) -> float:
     return 2.0 * (1.0 + half) + 1e-6
 
 
-def where_near(boxes: np.ndarray, fields: tuple[int, ...], reach: float, steps: int) -> np.ndarray:
-    """Find the planes in which bodies of different fields may have common vertices.
-
-    Parameters
-    ----------
-    boxes, fields, reach, steps
-        See `assign`.
-
-    Returns
-    -------
-    (pairs, 2) float64
-        Ends of an interval for each such pair, along x in cells.
-    """
-    if not needed(any(fields)):
-        return np.empty((0, 2))
-    numbers, wide, room = np.array(fields, np.int64), 2.0 * steps + reach, 8 * len(fields)
-    axis, order = _sweep(boxes)
-    ends, found = grown(
-        room,
-        lambda size: np.empty((size, 2)),
-        lambda ends: find_intervals(boxes, numbers, wide, axis, order, ends),
-    )
-    return ends[:found]
-
-
-def assign(boxes: np.ndarray, reach: float) -> tuple[tuple[int, ...], int]:
-    """Greedy colouring: each body gets the lowest field not used by any body it may touch soon.
+def neighbours(boxes: np.ndarray, wide: float) -> np.ndarray:
+    """Find the bodies whose boxes are less than `wide` cells apart.
 
     Parameters
     ----------
     boxes : (2, bodies, D) float64
         See `body_boxes`.
-    reach : float
-        See `reach`.
+    wide : float
+        `reach`, and twice by how much bodies may move.
 
     Returns
     -------
-    fields : tuple of int
-        Number of each body's field.
-    steps : int
-        Steps for which this holds.
+    (pairs, 2) int64
+        The lower number first.
     """
-    count = boxes.shape[1]
     axis, order = _sweep(boxes)
     pairs, found = grown(
-        8 * count,
+        8 * boxes.shape[1],
         lambda size: np.empty((size, 2), np.int64),
-        lambda pairs: find_neighbours(boxes, reach, MIN_FIELDS, axis, order, pairs),
+        lambda pairs: find_neighbours(boxes, wide, axis, order, pairs),
     )
-    fields, scratch = np.zeros(count, np.int64), np.zeros(2 * count + found + 2, np.int64)
-    steps = colour_bodies(boxes, reach, MAX_FIELDS, axis, order, pairs[:found], scratch, fields)
-    return tuple(fields.tolist()), min(steps, NEAR) if fields.any() else steps
+    return pairs[:found]
+
+
+def margin_of(boxes: np.ndarray, reach: float, fields: tuple[int, ...]) -> float:
+    """Cells by which bodies may move, each out of its box, until those of a field may meet."""
+    return find_margin(boxes, reach, MOST, *_sweep(boxes), np.array(fields, np.int64))
+
+
+def assign(boxes: np.ndarray, reach: float) -> tuple[int, ...]:
+    """Fields of bodies by greedy colouring: those that may meet soon have different ones."""
+    pairs, count = neighbours(boxes, 2.0 * MARGIN + reach), boxes.shape[1]
+    fields, scratch = np.zeros(count, np.int64), np.zeros(2 * count + len(pairs) + 2, np.int64)
+    colour_bodies(pairs, scratch, fields)
+    return tuple(fields.tolist())
+
+
+def where_near(boxes: np.ndarray, wide: float, fields: tuple[int, ...]) -> np.ndarray:
+    """Find where bodies less than `wide` apart may meet: ends of intervals along x, (pairs, 2)."""
+    pairs = neighbours(boxes, wide)
+    number = np.array(fields)[pairs]
+    low, high = boxes[:, pairs[number[:, 0] != number[:, 1]], 0]
+    return np.stack([low.max(axis=1) - 0.5 * wide, high.min(axis=1) + 0.5 * wide], axis=1)
 
 
 def _sweep(boxes: np.ndarray) -> tuple[int, np.ndarray]:

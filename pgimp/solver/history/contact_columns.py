@@ -44,7 +44,7 @@ def _taking(scene: Scene) -> list[int]:
 
 def _placed(scene: Scene) -> list[str]:
     """Names of the entries of two bodies that meet by their surfaces."""
-    entries = entries_of_two(scene) if scene.settings.initial else []
+    entries = entries_of_two(scene) if scene.settings.by_vertex else []
     return [scene.case.contact[k].name for k in entries]
 
 

@@ -87,7 +87,7 @@ def column_names(scene: Scene) -> list[str]:
     loads = scene.interaction.loads
     held = len(loads.booked_constraints) + len(loads.booked_tractions)
     crossed = 2 * len(flux_gauges(scene.case.gauges))
-    touching = (1 + scene.settings.initial * PLACES) * len(contact)
+    touching = (1 + scene.settings.by_vertex * PLACES) * len(contact)
     force = np.zeros((faces + held + touching + crossed + 2 * len(rigid_bodies), 3))
     none = np.zeros(scene.materials.sums)
     bodies = np.zeros((len(scene.body_names), scene.materials.sums))

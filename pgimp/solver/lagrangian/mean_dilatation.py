@@ -214,8 +214,8 @@ def mean_dilatation_of(
     scene: Scene, comm: Communicator, before: MeanDilatation | None = None
 ) -> MeanDilatation | None:
     """The mean dilatation of a scene with bodies exact to their surface; None for others."""
-    averages = scene.interaction.loads.averages and scene.dimension > 1
-    if not (averages and scene.settings.exact_surfaces.any()):
+    averages = scene.interaction.loads.mean_lagrangian
+    if isinstance(averages, tuple) or not scene.settings.exact_surfaces.any():
         return None
     return MeanDilatation(scene, comm, before)
 

@@ -86,7 +86,7 @@ def _fields(scene: Scene, bodies: list[Extent]) -> float:
         return 1
     per_cell = np.array(scene.case.method.particles_per_cell)
     ends = [np.array([getattr(body, end) for body in bodies]) / per_cell for end in ("low", "high")]
-    fields = 1 + max(assign(np.stack(ends), reach(scene))[0])
+    fields = 1 + max(assign(np.stack(ends), reach(scene)))
     return fields * (2 if fields > 1 or scene.interaction.rigid_bodies else 1)
 
 

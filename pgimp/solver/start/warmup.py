@@ -79,6 +79,7 @@ def _rehearse(scene: Scene) -> None:
         rank.damping = later
         step(rank, STEP._replace(end=STEP.start), lambda: STEP, scene.settings.controlled)
     rehearse_motion(rank)
+    rank.contact.excursion(rank)
     rank.population.restore_order(rows, rows)
     fastest(scene, particles, rows, scene.settings.controlled)
     Diagnostics().line(rank, STEP)

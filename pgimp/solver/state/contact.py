@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pgimp.errors import DamagedError
-from pgimp.solver.contact.velocity_fields import MAX_FIELDS
 
 if TYPE_CHECKING:
     from pgimp.io.checkpoints.checkpointfile import CheckpointFile
@@ -37,7 +36,7 @@ def stored_contact(rank: Rank, source: CheckpointFile, read: Callable) -> dict[s
     found, contact, bodies = {}, rank.contact, len(rank.scene.body_names)
     if contact.assignment.size and FIELDS in source.whole:
         assignment = read(source, FIELDS, (1 + bodies,))
-        if (assignment < 0).any() or assignment[0] > MAX_FIELDS or (assignment[1:] >= bodies).any():
+        if (assignment < 0).any() or (assignment[1:] >= bodies).any():
             raise DamagedError("the velocity fields of its bodies are none")
         found[FIELDS] = assignment
     width = contact.kept_forces.shape[1]
@@ -65,12 +64,12 @@ def stored_contact(rank: Rank, source: CheckpointFile, read: Callable) -> dict[s
 
 def restore_contact(rank: Rank, found: dict[str, np.ndarray]) -> None:
     """Continue with what `stored_contact` found; collective."""
+    if SEARCH in found:
+        rank.contact.restore_search(found[SEARCH])
     if FIELDS in found:
         rank.contact.restore(rank, found[FIELDS])
     if FORCES in found:
         rank.contact.restore_forces(found[FORCES])
-    if SEARCH in found:
-        rank.contact.restore_search(found[SEARCH])
     if LOADS in found:
         rank.contact.restore_loads(found[LOADS])
     if BEARING in found:

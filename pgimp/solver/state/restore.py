@@ -148,7 +148,7 @@ def read_books(rank: Rank, source: CheckpointFile, state: State, records: Diagno
         found |= stored_contact(rank, source, _whole)
         if state.last_line is not None:
             rows = len(scene.interaction.pairs.kind) if scene.interaction.pairs else 0
-            rows *= 1 + scene.settings.initial * PLACES
+            rows *= 1 + scene.settings.by_vertex * PLACES
             rows += 2 * len(scene.interaction.rigid_bodies) + len(scene.domain.faces)
             rows += 2 * len(flux_gauges(scene.case.gauges))
             rows += len(scene.interaction.loads.booked_tractions)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pgimp.case.body import any_means, scene_method
 from pgimp.case.stepping.courant import averaged_limit, vertex_limit
 from pgimp.errors import CaseError
 from pgimp.physics.materials.base import has
@@ -44,11 +45,11 @@ def stable_courant(case: Case) -> float:
     The shape's limit, raised with mean dilatation if no body is nearly incompressible. If all
     bodies are in the initial configuration it is theirs.
     """
-    method, vertices = case.method, vertex_limit(case)
+    method, vertices = scene_method(case), vertex_limit(case)
     if vertices is not None:
         return vertices
     least = averaged_limit(case, float(method.stable))
-    if method.volumetric == "pointwise" or case.dimensions == 1:
+    if not any_means(case):
         return least
     used = (case.materials[body.material] for body in case.bodies.values())
     ratios = [getattr(material, "poisson", 0.5) for material in used]

@@ -18,7 +18,7 @@ _NOTABLE = 1e-2
 
 
 def report_body(body: BodyFacts, case: Case, stages: Sequence[Case], verbose: bool) -> None:
-    """Print wave speed, transit time, and loads over stiffness: strains that show unit mistakes.
+    """Print wave speed, travel time, and loads over stiffness: strains that show unit mistakes.
 
     Besides, how far grips stretch it over all `stages`.
     """
@@ -29,8 +29,8 @@ def report_body(body: BodyFacts, case: Case, stages: Sequence[Case], verbose: bo
     texts = [f"{what} {s:.2g}" for what, s in found.items() if verbose or abs(s) > _NOTABLE]
     strained = f"strain {', '.join(texts)}" if texts else ""
     print(
-        f"body {body.name:<11} {body.particles:,} particles; wave speed {c:.4g}, transit time "
-        f"{transit:.4g} over {body.extent:.4g}; the run lasts {duration / transit:.3g} transits"
+        f"body {body.name:<11} {body.particles:,} particles; wave speed {c:.4g}, travel time "
+        f"{transit:.4g} over {body.extent:.4g}; the run lasts {duration / transit:.3g} travel times"
         f"{f'; {strained}' if strained and not verbose else ''}"
     )
     for fact in case.bodies[body.name].region.facts() if verbose else ():
@@ -100,6 +100,6 @@ def report_rigid(scene: Scene, verbose: bool) -> None:
         scene.interaction.rigid_bodies.names, scene.interaction.rigid_bodies.fields, strict=True
     ):
         entry = scene.case.rigid_bodies[name]
-        moves = "moves freely" if entry.free else "moves" if entry.moves else "stands"
+        moves = "moves freely" if entry.free else "moves" if entry.moves else "is fixed"
         more = f"; {len(field.values):,} distances on its lattice" if verbose else ""
         print(f"rigid {name:<10} {moves}{more}")

@@ -1,7 +1,7 @@
 """Estimate of the steps in which a case or a stage comes to rest.
 
 The slowest mode is at its static place after half of its period, and what begins anew after that
-takes little (docs/case-file.md#how-it-comes-to-rest). Half a period is some transits of a wave
+takes little (docs/case-file.md#how-it-comes-to-rest). Half a period is some travel times of a wave
 along a compact body, as many more as it is slender where it bends, and more in a liquid that
 sloshes. Bodies that touch move together: what stands on others sways with them.
 """

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from math import ceil
 
+from pgimp.case.choices.beyond import beyond
 from pgimp.case.schema import Case
 from pgimp.case.staging.arrange import changes_of, steps_in
 from pgimp.scene.checks.facts import BodyFacts
@@ -142,6 +143,13 @@ def pilot_warnings(case: Case, courant: float, tried: Pilot | None) -> Iterator[
             f"a pilot run of {_size(tried)} failed at t = {tried.done * case.time.end:.3g}: "
             f"{tried.failure}",
         )
+    for name, strain in tried.strains.items():
+        if better := beyond(case, name, strain):
+            yield warned(
+                "chosen-strain",
+                f"bodies.{name}: a pilot run of {_size(tried)} strains it by {strain:.2g}, more "
+                f"than its method was chosen for: take {better}",
+            )
     stable = stable_courant(case)
     if courant <= stable * (1.0 + 1e-9) < tried.courant and not tried.failure:
         yield warned(

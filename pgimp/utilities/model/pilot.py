@@ -10,9 +10,13 @@ information on later times.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import inf
 from time import perf_counter
+from types import MappingProxyType
 from typing import NamedTuple
+
+import numpy as np
 
 from pgimp.case.schema import Case
 from pgimp.errors import CaseError, RunError
@@ -52,6 +56,8 @@ class Pilot(NamedTuple):
     courant: float  #: Greatest Courant number of the case's own steps.
     #: Estimate of the relative error of `steps` due to the cells; inf without an estimate.
     error: float = 0.0
+    #: Greatest principal strain at its end of each body, but for a hundredth of its particles.
+    strains: Mapping[str, float] = MappingProxyType({})
 
 
 def pilot(case: Case, count: int, steps: float, costs: Costs, fewest: float) -> Pilot | None:
@@ -182,7 +188,21 @@ def _run(sim: Simulation, case: Case) -> Pilot:
     own.take(end - sim.time, max(rate, sim.fastest * longer))
     steps = float(case.time.steps or 0) if case.courant is None else own.count
     done = sim.time / end
-    return Pilot(steps, sim.count, longer, min(done, 1.0), failure, most)
+    strains = {} if failure else _strains(sim)
+    return Pilot(steps, sim.count, longer, min(done, 1.0), failure, most, strains=strains)
+
+
+def _strains(sim: Simulation) -> dict[str, float]:
+    """Greatest principal strain of each body, but for a hundredth of its particles."""
+    rows, D, found = sim.live(), sim.case.dimensions, {}
+    F = sim.particles.F[rows, : D * D].reshape(-1, D, D)
+    stretch = np.linalg.svd(F, compute_uv=False)
+    strain = np.maximum(stretch[:, 0] - 1.0, 1.0 - stretch[:, -1])
+    for number, name in enumerate(sim.case.body_names):
+        own = strain[sim.particles.body[rows] == number]
+        if len(own):
+            found[name] = float(np.quantile(own, 0.99))
+    return found
 
 
 def _rate(sim: Simulation) -> float:

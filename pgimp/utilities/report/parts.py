@@ -28,7 +28,7 @@ _MOST_RANKS = 8
 
 
 def accuracy_table(found: Sequence[Indicator], case: Case | None = None) -> Markup:
-    """Return the indicators, the worst first, and what lowers the errors of uncomfortable ones.
+    """Return the indicators, the worst first, and what lowers errors of those outside limits.
 
     Parameters
     ----------
@@ -51,9 +51,9 @@ def accuracy_table(found: Sequence[Indicator], case: Case | None = None) -> Mark
         return paragraph("Nothing is known of the errors of this run.")
     wrong = [one for one in ranked if not one.well]
     said = (
-        f"{len(wrong)} of {len(found)} indicators are beyond what is comfortable."
+        f"{len(wrong)} of {len(found)} indicators are outside their limits."
         if wrong
-        else f"All {len(found)} indicators are comfortable."
+        else f"All {len(found)} indicators are within their limits."
     )
     note = (
         "A bar ends at the middle line where a value is at its bound; on either side it spans two "
@@ -64,7 +64,7 @@ def accuracy_table(found: Sequence[Indicator], case: Case | None = None) -> Mark
         one.rule.label: f"{one.rule.label}: {one.rule.remedies(case)} ({page(one.rule.page)})"
         for one in wrong
     }
-    head = ("indicator", "value", "comfortable", "distance")
+    head = ("indicator", "value", "limit", "distance")
     return join(
         [
             paragraph(said),
@@ -127,7 +127,7 @@ def energy_table(book: EnergyBook, shown: PlotRun) -> Markup:
 def momentum_table(books: Sequence[MomentumBook], why: str, shown: PlotRun) -> Markup:
     """Return the books of momentum over the whole run, a column for each axis."""
     if not books:
-        return paragraph(f"There is no book of momentum: {why}.")
+        return paragraph(f"There is no balance of momentum: {why}.")
     names = list(dict.fromkeys(name for book in books for name, _ in book.impulses))
     values = [dict(book.impulses) for book in books]
     rows: list[tuple[object, ...]] = [

@@ -65,7 +65,7 @@ def report_of_run(path: Path, field: str | None = None) -> str:
         section("Error against the exact solution", *_errors(shown, found.history)),
         section("Pictures", drawings.pictures(shown, field)),
         section("History", *_curves(shown, found.history)),
-        section("Books", *_books(shown, found)),
+        section("Balances", *_books(shown, found)),
         section("Forces", *_forces(shown, found.history)),
         section("Time by phase", *_timings(info)),
         section("Method as chosen", origin.chosen(path)),
@@ -140,7 +140,7 @@ def _glance(info: dict[str, Any], found: _Found) -> list[tuple[object, object]]:
     wrong = [one for one in found.indicators if not one.well]
     accuracy: object = ""
     if found.indicators:
-        accuracy = "all indicators comfortable"
+        accuracy = "all indicators within limits"
     if wrong:
         names = dict.fromkeys(one.rule.label for one in wrong)
         accuracy = Markup(f'<span class="beyond">{text("; ".join(names))}</span>')
@@ -152,7 +152,7 @@ def _glance(info: dict[str, Any], found: _Found) -> list[tuple[object, object]]:
         ("ranks", info.get("ranks", "")),
         ("wall time", "" if not seconds else f"{duration(float(seconds))} without set-up"),
         ("speed", origin.speed(info, found.indicators)),
-        ("beyond what is comfortable" if wrong else "accuracy", accuracy),
+        ("outside limits" if wrong else "accuracy", accuracy),
     ]
 
 

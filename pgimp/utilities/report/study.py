@@ -106,7 +106,7 @@ def _table(folder: Path, runs: list[tuple[str, dict[str, Any], list[Indicator]]]
         if info.get("state") == "failed":
             state = f"failed: {str(info.get('message')).splitlines()[0]}"
         wrong = line(found)
-        well = "all indicators comfortable" if found else ""
+        well = "all indicators within limits" if found else ""
         try:
             error = f"an error of {float(errors[name]):.3g}"
         except ValueError:

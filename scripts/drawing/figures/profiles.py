@@ -84,7 +84,7 @@ def shock(results, path, columns, instants):
                 if method != "finite-gimp":
                     _points(axis, results[shock_run(method)][instant], METHODS[method])
             place = "lower right" if fraction < 0.5 else "upper left"
-            axis.legend(loc=place, title=f"t/(wave transit time) = {fraction:g}", **LEGEND)
+            axis.legend(loc=place, title=f"t/(wave travel time) = {fraction:g}", **LEGEND)
     _save(figure, path)
 
 
@@ -96,7 +96,7 @@ def zoom(results, path, columns):
         for method in methods:
             if not method.startswith("mpm"):  # far outside
                 _points(axis, results[shock_run(method)][-1], METHODS[method])
-        axis.legend(loc="upper center", title="t/(wave transit time) = 1", **LEGEND)
+        axis.legend(loc="upper center", title="t/(wave travel time) = 1", **LEGEND)
     _save(figure, path)
 
 

@@ -1,18 +1,11 @@
 """Problems with known answers: cases, or parts of them, and the relative error of a run."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-
-
-class Problem(NamedTuple):
-    """A problem for which every method is measured."""
-
-    case: str  #: Name in cases/, without its method.
-    what: str  #: Quantity whose error it is, and what it is compared with.
-    changes: dict[str, Any]
-    error: Callable[[Any], float]  #: Relative error, from the results of a run.
+from studies.auto.more import MORE
+from studies.auto.problem import Problem
 
 
 def _last(run: Any, column: str) -> float:
@@ -258,4 +251,5 @@ PROBLEMS = {
     ),
     "Sod's tube": Problem("sod", "plateaus", {"grid.cell": [0.005]}, _sod),
     "plate on water": Problem("blast", "velocity", {}, _blast),
+    **MORE,
 }

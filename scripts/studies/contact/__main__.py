@@ -52,7 +52,11 @@ def _costs(quick, heaped):
 
 
 def _heaps(quick):
-    """Rows of disks and balls that fall into a heap."""
+    """Rows of disks and balls that fall into a heap, and of grains in a drum."""
+    if not quick:
+        ratio, fields = motion.drum()
+        where = f"five cells across, 2D, {fields} velocity fields"
+        yield "200 grains in the drum of cases/drum.yaml", where, f"{ratio:.1f}"
     heaps = [("48 disks", {"steps": 800}, "2D")]
     if not quick:
         steep = {"steps": 400, "gravity": 4.0}
@@ -69,7 +73,7 @@ def _heaps(quick):
 def _known_heaps():
     """Those of the table that there is, marked."""
     for (_, what), rest in standing("contact-costs", EARLIER).items():
-        if what.endswith("into a heap"):
+        if what.endswith(("into a heap", "drum.yaml")):
             yield what + EARLIER, *rest
 
 

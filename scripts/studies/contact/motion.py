@@ -3,6 +3,7 @@
 from math import cos, radians, sin
 
 import numpy as np
+from ruamel.yaml import YAML
 from studies import scenes
 from studies.harness import CASES
 from studies.scenes import a_line, ball, box, by_turns, looked, reading
@@ -247,3 +248,17 @@ def heap(count=48, steps=800, radius=4.0, columns=(8,), gravity=1.0):
         times += by_turns(simulations, 1, 20)[0]
         fields = max(fields, 1 + max(simulations[0].core.rank.contact.fields))
     return times[0] / times[1], fields
+
+
+def drum(rounds=9, steps=20):
+    """Time of a step of cases/drum.yaml over that of its grains as one body at rest, and fields."""
+    case = YAML(typ="safe").load(CASES / "drum.yaml")
+    grains = [body["region"] for body in case["bodies"].values() if "rigid" not in body]
+    whole = {"material": "gel", "surface": "whole", "region": {"union": grains}}
+    alone = {"bodies": {"grains": whole}, "contact": [], "gravity": [0.0, 0.0]}
+    simulations = [pgimp.Simulation(pgimp.load(each)) for each in (case, case | alone)]
+    for simulation in simulations:
+        simulation.step(200)  # the heap settles
+    found = by_turns(simulations, rounds, steps)
+    fields = 1 + max(simulations[0].core.rank.contact.fields)
+    return float(np.median(found[:, 0] / found[:, 1])), fields

@@ -4,7 +4,7 @@ Run as ``scripts/hard frozen``: writes the table of docs/hard-cases.md,
 scripts/pages/tables/frozen.md. Weights that change under stress put it into patterns that exert no
 force. How much energy these hold is found apart from pgimp's steps: strains e_p are projected, in
 the energy's own norm, on those that velocities of the grid can make, sym(sum_v u_v grad S_vp); the
-frozen energy is that of what is left.
+locked-in energy is that of what is left.
 """
 
 from math import sqrt

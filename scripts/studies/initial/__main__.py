@@ -93,7 +93,7 @@ def text(kept):
         found = ", ".join(f"{part:.2f}" for part in of("hourglass", n).values())
         words = "one particle a cell (refused)" if n == 1 else "two a cell and direction"
         rows.append((f"square thrown on a disk, {words}: hourglass displacements over those that "
-                     "strain, after 4, 8, 12 and 16 transits", "", found))  # fmt: skip
+                     "strain, after 4, 8, 12 and 16 travel times", "", found))  # fmt: skip
     for amplitude in (0.5, 1.0):
         cells = []
         for one, sizes in (("current", (0.05,)), ("initial", CELLS), (SMOOTH, CELLS)):

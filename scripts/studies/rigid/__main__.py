@@ -36,7 +36,7 @@ def rows():
         for friction in (0.0, 0.5):
             deep, books = scenes.peg(clearance, friction)
             yield (f"peg pushed askew at a hole, clearance {clearance:g} cells, mu = {friction:g}: "
-                   "depth, cells; energy that books miss", "0",
+                   "depth, cells; energy that balances miss", "0",
                    f"{deep:.3f}, {books:.4f}")  # fmt: skip
     force, way = scenes.pressed()
     yield ("rigid block pressed on an elastic one: force, way", "1", f"{force:.3f}, {way:.3f}")

@@ -8,6 +8,7 @@ from schema_checker import Checker
 from two_blocks import CASE
 
 import pgimp
+from pgimp.case.choices.beyond import beyond
 from pgimp.case.choices.choose import lines
 from pgimp.case.choices.facts import FLOWING
 from pgimp.case.choices.kept import kept
@@ -61,13 +62,47 @@ def test_what_flows_is_in_the_current_configuration(material):
     assert case.method.volumetric == ("b-bar" if material is CLAY else "pointwise")
 
 
+def test_liquids_on_walls_without_slip_go_without_affine():
+    """Their particles there would be without gradients: Poiseuille's flow is ten times worse."""
+    for face, affine in (("fixed", False), ("slip", True)):
+        lies = box([0.0, 0.0], [5.0, 5.0])
+        assert pgimp.load(bare(2, lies, WATER, boundaries={"y-min": face})).method.affine == affine
+        clay = pgimp.load(bare(2, lies, CLAY, boundaries={"y-min": face}))
+        assert clay.method.affine
+
+
 def test_a_metal_is_judged_by_its_strain():
-    """At 20 m/s Johnson's damage number is 0.008, at 200 m/s it is 0.8."""
-    slow, fast = (pgimp.load(bare(2, block([v, 0.0]), STEEL)) for v in (20.0, 200.0))
+    """At 20 m/s Johnson's damage number is 0.008, at 200 m/s it is 0.8; alone nothing hits it."""
+    wall = {"boundaries": {"x-max": "unilateral"}, "end": 1.0}
+    slow, fast = (pgimp.load(bare(2, block([v, 0.0]), STEEL, **wall)) for v in (20.0, 200.0))
     assert (
         configurations(slow) == {"body": "total-lagrangian"} and slow.method.volumetric == "b-bar"
     )
     assert configurations(fast) == {"body": "updated-lagrangian"} and fast.method.affine
+    assert configurations(pgimp.load(bare(2, block([200.0, 0.0]), STEEL))) == {
+        "body": "total-lagrangian"
+    }
+
+
+@pytest.mark.parametrize(
+    ("gravity", "chosen"), [(50.0, "total-lagrangian"), (1.0e5, "updated-lagrangian")]
+)
+def test_what_falls_is_judged_by_the_speed_at_which_it_hits(gravity, chosen):
+    """Two cells deep, at 14 and 632 m/s: it is at rest at the start."""
+    falls = {"boundaries": {"y-min": "unilateral"}, "gravity": [0.0, -gravity], "end": 1.0}
+    case = pgimp.load(bare(2, block(), STEEL, **falls))
+    assert configurations(case) == {"body": chosen}
+
+
+@pytest.mark.parametrize(
+    ("height", "chosen"), [(4.0, "total-lagrangian"), (1.0, "updated-lagrangian")]
+)
+def test_a_metal_is_judged_by_its_loads_with_bending(height, chosen):
+    """A cantilever whose load is 0.02 of its strength: 3 (8/h)^2 of it at the clamp."""
+    plate = {"on": {"body": "body", "face": "y-max", "traction": [0.0, -8.0e6]}}
+    beam = box([0.0, 2.0], [8.0, 2.0 + height])
+    case = pgimp.load(bare(2, beam, STEEL, boundaries={"x-min": "fixed"}, tractions=plate))
+    assert configurations(case) == {"body": chosen}
 
 
 @pytest.mark.parametrize(
@@ -95,6 +130,61 @@ def test_nearly_incompressible_bodies_have_mean_dilatation():
     soft = {"model": "neo-hookean", "young": 100.0, "density": 1.0}
     found = [pgimp.load(bare(2, block(), soft | {"poisson": nu})) for nu in (0.3, 0.49)]
     assert [case.method.volumetric for case in found] == ["pointwise", "b-bar"]
+
+
+def test_volumes_are_chosen_by_body():
+    """The method has the mean because of one body; the other has a word of its own."""
+    two = {"a": block(), "b": box([7.0, 2.0], [9.0, 5.0], material="wet")}
+    data = bare(2, two)
+    data["materials"]["wet"] = data["materials"]["soft"] | {"poisson": 0.49}
+    case = pgimp.load(data)
+    assert case.method.volumetric == "b-bar"
+    assert [body.volumetric for body in case.bodies.values()] == ["pointwise", None]
+    assert "volumetric b-bar (because of b)" in lines(case)[2]
+    assert "volumetric pointwise" in lines(case)[0]
+    data["bodies"]["b"]["volumetric"] = "pointwise"
+    case = pgimp.load(data)
+    assert case.method.volumetric == "pointwise" and case.bodies["a"].volumetric is None
+
+
+def test_a_body_that_bounces_may_meet_one_behind_it():
+    two = {"a": box([7.0, 6.0], [9.0, 8.0], [2.0, 0.0]), "b": box([1.0, 1.0], [2.0, 2.0])}
+    assert len(pgimp.load(bare(2, two, end=8.0)).contact) == 1
+    assert pgimp.load(bare(2, two, end=0.1)).contact == ()
+
+
+def test_a_key_that_says_auto_is_chosen_in_any_format():
+    """The others of a case that names its method stay."""
+    data = scene(2, block(), cells=[12, 12], format=1)
+    assert not lines(pgimp.load(data))
+    whole = pgimp.load(data).model_dump(by_alias=True)
+    for key, value in [("shape", "gimp"), ("particles-per-cell", (2, 2)), ("affine", True),
+                       ("volumetric", "pointwise")]:  # fmt: skip
+        case = pgimp.load(data, {f"method.{key}": "auto"})
+        assert [*case.__dict__["chosen"]] == [("method", key)]
+        whole["method"][key] = value
+        assert case.model_dump(by_alias=True) == whole
+        whole["method"]["affine"] = False
+    body = pgimp.load(data, {"bodies.body.formulation": "auto", "bodies.body.mass": "auto"})
+    assert (body.bodies["body"].formulation, body.bodies["body"].mass) == (
+        "total-lagrangian", "averaged")  # fmt: skip
+    assert body.time.step == pgimp.load(data).time.step and body.method.affine is False
+    assert pgimp.load(data, {"time.step": "auto"}).courant == 0.3
+    soft = {"materials.soft.poisson": 0.49}
+    by_body = pgimp.load(data, {"bodies.body.volumetric": "auto", **soft})
+    assert by_body.bodies["body"].volumetric == "b-bar"
+    assert pgimp.load(data, {"method.mass": "auto"}).method.mass == "lumped"
+    assert pgimp.load(data, {"contact": "auto"}).contact == ()
+
+
+def test_what_says_auto_is_written_into_a_file():
+    text = CASE.replace("shape: gimp", "mass: auto, shape: auto").replace("0.01", "auto")
+    text = text.replace("velocity: [1.0", "mass: auto, velocity: [1.0") + "\ncontact: auto\n"
+    case = read_case(text, "x")
+    found = written(text, case)
+    again = read_case(found, "x")
+    assert "auto" not in found and not lines(again)
+    assert again.model_dump() == case.model_dump()
 
 
 def test_bodies_that_may_meet_do_so_without_friction():
@@ -220,10 +310,34 @@ def test_choices_are_those_of_the_data_alone():
 def test_editors_know_what_may_be_left_out():
     """By the JSON schema; and what is still refused."""
     sees = Checker(json_schema())
-    for method in ("auto", {"affine": True}, {"shape": "cpdi"}, {"shape": "gimp", "affine": True}):
+    for method in ("auto", {"affine": True}, {"shape": "cpdi"}, {"shape": "gimp", "affine": True},
+                   {"shape": "auto", "particles-per-cell": "auto", "affine": "auto"},
+                   {"volumetric": "auto", "mass": "auto"}):  # fmt: skip
         data = bare(2, block(), contact="bonded") | {"method": method}
         assert sees(data), method
         pgimp.load(data)
     assert sees(bare(2, block()))
+    body = bare(2, block(), contact="auto")
+    body["bodies"]["body"] |= {"formulation": "auto", "mass": "auto", "volumetric": "auto"}
+    body["time"]["step"] = "auto"
+    assert sees(body)
+    pgimp.load(body)
     assert not sees(bare(2, block(), contact="glued"))
     assert not sees(bare(2, block()) | {"method": {"shape": "tent"}})
+
+
+def test_strains_of_a_run_tell_where_another_method_is_better():
+    """Only of what was chosen: what a case names is its own affair."""
+    steel = pgimp.load(bare(2, block(), STEEL))
+    assert beyond(steel, "body", 0.5) == "formulation: updated-lagrangian" and not beyond(
+        steel, "body", 0.1
+    )
+    named = bare(2, block(), STEEL)
+    named["bodies"]["body"]["formulation"] = "total-lagrangian"
+    assert not beyond(pgimp.load(named), "body", 0.5)
+    stiff = {"model": "neo-hookean", "young": 1e5, "poisson": 0.3, "density": 1.0}
+    held = pgimp.load(bare(2, block([8.0, 0.0]), stiff, boundaries={"x-max": "fixed"}))
+    assert beyond(held, "body", 0.3) == "method.shape: finite-gimp"
+    assert not beyond(held, "body", 0.1)
+    assert not beyond(pgimp.load(bare(2, block(), CLAY)), "body", 2.0)
+    assert not beyond(pgimp.load(bare(2, block())), "body", 2.0)

@@ -239,5 +239,5 @@ def test_wrong_entries_are_named():
 
 def test_a_region_without_a_particle_of_the_body_is_named():
     case = line(constraints={"left": grip([2.0], [3.5], 0.0), "off": grip([11.0], [12.0], RAMP)})
-    with pytest.raises(CaseError, match=r"off\.region: holds no particle of .* 0\.5 apart"):
+    with pytest.raises(CaseError, match=r"off\.region: contains no particle of .* 0\.5 apart"):
         start(case)

@@ -7,13 +7,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from pages import DOCS
-from scenes import box, scene
+from scenes import SOFT, box, scene
 from two_blocks import CASE, flying
 
 import pgimp
 from pgimp.case.load import load
 from pgimp.running.accuracy.books import energy_book, momentum_books
-from pgimp.running.accuracy.find import boxes_of, of_case, of_history, of_run
+from pgimp.running.accuracy.find import boxes_of, of_case, of_frames, of_history, of_run
 from pgimp.running.accuracy.particles import body_states
 from pgimp.running.accuracy.rules import RULES, Indicator, line
 
@@ -185,3 +185,19 @@ def test_what_cannot_be_read_says_nothing(run, monkeypatch):
 
     monkeypatch.setattr(summary, "of_run", lambda *_: (_ for _ in ()).throw(ValueError("odd")))
     assert summary.accuracy(run.path, SimpleNamespace()) == ""
+
+
+def test_a_metal_that_flowed_in_the_initial_configuration_is_told(run):
+    """As it is chosen for small strains; an elastic body may stretch as it likes."""
+    steel = {"model": "von-mises", "young": 1e3, "poisson": 0.3, "density": 1.0,
+             "yield-stress": 1.0}  # fmt: skip
+    F = np.tile(np.diag([1.4, 1.0 / 1.4, 1.0]), (256, 1, 1))
+    for material, told in ((steel, True), (SOFT, False)):
+        case = scene(2, box([0, 0], [8, 8]), cells=[8, 8], materials={"soft": material})
+        case["bodies"]["body"]["formulation"] = "total-lagrangian"
+        made = Made(lambda x, y: 1.0 + 0.0 * x, deformation=F)
+        made.number = 0
+        every = of_frames(load(case), np.asarray(run.history), [made])
+        found = [one for one in every if one.name == "flowed"]
+        assert bool(found) == told
+        assert all(abs(one.value - 0.4) < 1e-9 and not one.well for one in found)

@@ -16,7 +16,14 @@ from pgimp.io.checkpoints.checkpointfile import CheckpointFile
 from pgimp.io.checkpoints.checkpointwriter import write
 from pgimp.mpi.comm import Serial
 from pgimp.solver.contact import multifield
-from pgimp.solver.contact.velocity_fields import assign, where_near
+from pgimp.solver.contact.velocity_fields import (
+    MARGIN,
+    MOST,
+    assign,
+    body_boxes,
+    margin_of,
+    where_near,
+)
 from pgimp.solver.simulation import Simulation
 
 #: Boxes of up to eight bodies in a plane, in cells.
@@ -30,11 +37,11 @@ BOXES = some.lists(
 @given(BOXES, some.floats(1.0, 4.0))
 @settings(deadline=None)
 def test_bodies_that_share_a_field_cannot_meet(bodies, reach):
-    """Not before the next look, if both move by a cell a step towards each other."""
+    """Not before the next search, if both move by the margin towards each other."""
     table = np.array(bodies)
     boxes = np.stack([table[:, :2], table[:, :2] + table[:, 2:]])
-    fields, steps = assign(boxes, reach)
-    assert steps >= 1
+    wide, fields = 2.0 * MARGIN + reach, assign(boxes, reach)
+    assert MARGIN <= margin_of(boxes, reach, fields) <= MOST
     for a in range(len(bodies)):
         for b in range(a):
             apart = max(
@@ -42,11 +49,11 @@ def test_bodies_that_share_a_field_cannot_meet(bodies, reach):
                 for d in (0, 1)
             )
             if fields[a] == fields[b]:
-                assert apart - 2.0 * steps >= reach
+                assert apart - 2.0 * MARGIN >= reach
     # No field is left out, and one is enough for bodies that are far apart.
     assert set(fields) == set(range(max(fields) + 1))
     # In which planes those of different fields may share vertices meanwhile.
-    ends, far = where_near(boxes, fields, reach, steps), steps + 0.5 * reach
+    ends, far = where_near(boxes, wide, fields), 0.5 * wide
     for plane in np.arange(-80.0, 150.0, 1.7):
         for a in range(len(bodies)):
             for b in range(a):
@@ -57,26 +64,22 @@ def test_bodies_that_share_a_field_cannot_meet(bodies, reach):
 
 
 def plain_fields(boxes, reach):
-    """Fields, steps and intervals as `assign` and `where_near`, in NumPy."""
+    """Fields and intervals as `assign` and `where_near`, in NumPy."""
     low, high = boxes
     apart = np.full((len(low),) * 2, -np.inf)
     for d in range(low.shape[1]):
         np.maximum(apart, low[:, None, d] - high[None, :, d], out=apart)
     apart = np.maximum(apart, apart.T)
-    alone = np.floor(0.5 * np.maximum(apart - reach, 0.0))
-    fields, steps = np.zeros(len(low), int), 64
+    fields, wide = np.zeros(len(low), int), 2.0 * MARGIN + reach
     for b in range(len(low)):
-        taken = set(fields[:b][alone[b, :b] < 2].tolist())
+        taken = set(fields[:b][apart[b, :b] < wide].tolist())
         fields[b] = min(set(range(b + 1)) - taken)
-        steps = min(steps, int(alone[b, :b][fields[:b] == fields[b]].min(initial=64)))
-    steps = min(steps, 16) if fields.any() else steps
     a, b = np.triu_indices(len(low), 1)
-    wide = 2.0 * steps + reach
-    near = (fields[a] != fields[b]) & (apart[a, b] < wide)
+    near = apart[a, b] < wide
     a, b = a[near], b[near]
     ends = [np.maximum(low[a, 0], low[b, 0]) - 0.5 * wide,
             np.minimum(high[a, 0], high[b, 0]) + 0.5 * wide]  # fmt: skip
-    return tuple(fields.tolist()), steps, np.stack(ends, axis=1)
+    return tuple(fields.tolist()), np.stack(ends, axis=1)
 
 
 def ordered(intervals):
@@ -94,12 +97,10 @@ def test_fields_of_hundreds_of_bodies_are_those_of_numpy(seed):
     empty = random.random(count) < 0.1
     boxes[0, empty], boxes[1, empty] = np.inf, -np.inf
     reach = float(random.uniform(2.0, 4.0))
-    fields, steps = assign(boxes, reach)
-    ends = where_near(boxes, fields, reach, steps)
-    expected = plain_fields(boxes, reach)
-    assert (fields, steps) == expected[:2]
-    if any(fields):
-        np.testing.assert_array_equal(ordered(ends), ordered(expected[2]))
+    fields, ends = plain_fields(boxes, reach)
+    assert assign(boxes, reach) == fields
+    found = where_near(boxes, 2.0 * MARGIN + reach, fields)
+    np.testing.assert_array_equal(ordered(found), ordered(ends))
 
 
 def test_bodies_apart_share_a_field():
@@ -139,7 +140,40 @@ def falling(end, **parts):
 def assigned_now(sim):
     """The fields that bodies would have where they are now."""
     contact = sim.rank.contact
-    return assign(contact._boxes(sim.rank), contact._reach)[0]
+    return assign(boxes_now(sim.rank), contact._reach)
+
+
+def boxes_now(rank):
+    """Boxes of the bodies where they are now."""
+    particles, rows = rank.population.up_to_date(), rank.population.order
+    return body_boxes(rank.scene.domain, particles, rows, len(rank.scene.body_names), rank.comm)
+
+
+@pytest.mark.parametrize(("speed", "most"), [(0.02, 1), (0.3, 5)])
+def test_bodies_of_a_field_are_apart_in_every_step(monkeypatch, speed, most):
+    """Slow ones, for which there are few searches, and ones as fast as steps allow."""
+    usual, searches = multifield.assign, []
+
+    def look(boxes, reach):
+        searches.append(len(searches))
+        return usual(boxes, reach)
+
+    monkeypatch.setattr(multifield, "assign", look)
+    case = falling(0.1)
+    case["time"]["step"] = 1e-3
+    case["grid"] |= {"origin": [0.0, -5.0], "size": [15.0, 27.0]}
+    for n, body in enumerate(case["bodies"].values()):
+        body["velocity"] = [0.0, speed * (-1) ** n * 1e3]
+    sim = start(case | {"contact": [{"bodies": "all", "law": "ignore"}], "boundaries": {}})
+    for _ in range(12):
+        sim.rank.contact.assign_fields(sim.rank)
+        boxes, fields = boxes_now(sim.rank), np.array(sim.rank.contact.fields)
+        apart = np.maximum(boxes[0][:, None] - boxes[1][None], boxes[0][None] - boxes[1][:, None])
+        alone = apart.max(axis=2) >= sim.rank.contact._reach
+        same = (fields[:, None] == fields) & ~np.eye(len(fields), dtype=bool)
+        assert alone[same].all()
+        sim.advance()
+    assert 1 <= len(searches) <= most
 
 
 @pytest.mark.parametrize(("count", "most"), [(2, 1e-6), (3, 1.0)])
@@ -161,8 +195,8 @@ def test_the_order_of_the_fields_matters(monkeypatch, count, most):
     for turned in (False, True):
 
         def numbered(boxes, reach, turned=turned):
-            fields, steps = assign(boxes, reach)
-            return tuple(max(fields) - f if turned else f for f in fields), steps
+            fields = assign(boxes, reach)
+            return tuple(max(fields) - f if turned else f for f in fields)
 
         monkeypatch.setattr(multifield, "assign", numbered)
         found.append(field(finish(start(case)), "v"))

@@ -38,7 +38,7 @@ def test_work_of_loads_is_of_second_order():
         "boundaries": {"x-min": "fixed"},
         "tractions": loads,
         "gravity": [0.0, -0.02],
-        "body_force": {"rotating-frame": {"about": [6.0, 4.0], "rate": 0.1}},
+        "body-force": {"rotating-frame": {"about": [6.0, 4.0], "rate": 0.1}},
     }
     long, short = (unbalanced(courant, **parts) for courant in (0.4, 0.2))
     assert long < 2e-3

@@ -65,6 +65,15 @@ def test_steps_are_predicted_where_the_wave_becomes_faster(run, monkeypatch):
         assert found.steps == pytest.approx(sim.step, rel=0.05)
 
 
+def test_a_pilot_run_tells_the_strain_of_each_body(run, monkeypatch):
+    """At the foot of the column it is that of the run's own particles, to the cells."""
+    sim, expected = run
+    monkeypatch.setattr(pilots, "_SECONDS", 10.0)
+    found = pilot(sim.case, sim.count, expected, COSTS, 16.0)
+    height = sim.particles.F[sim.live(), 3]  # of a column whose sides are held
+    assert 0.3 < found.strains["b"] == pytest.approx(1.0 - height.min(), rel=0.1)
+
+
 def test_a_pilot_run_that_takes_too_long_is_ended(run, monkeypatch):
     sim, expected = run
     ticks = iter(range(10**6))
@@ -186,7 +195,7 @@ def test_no_pilot_run_of_what_cannot_be_coarse(monkeypatch):
     """Constraints hold a row of particles, which may lie elsewhere on other grids."""
     row = {"box": {"min": [0.0, 0.07], "max": [1.0, 0.09]}}
     case = squeezed(constraints={"g": {"body": "b", "velocity": [0, 0], "region": row}})
-    with pytest.raises(CaseError, match="holds no particle"):
+    with pytest.raises(CaseError, match="contains no particle"):
         Simulation(coarse(case, 1.5), Serial())
     monkeypatch.setattr(pilots, "_SECONDS", 0.05)
     found = pilot(case, 2048, 600.0, COSTS, 16.0)

@@ -244,7 +244,7 @@ def test_a_damaged_run_json_costs_no_more_than_its_entries(copied):
         for start in damaged(content["starts"][0]):
             path.write_text(json.dumps(content | {"starts": [start]}))
             try:
-                assert "<h2>Books</h2>" in report_of_run(copied)
+                assert "<h2>Balances</h2>" in report_of_run(copied)
                 made += 1
             except UsageError as error:
                 assert "run.json is damaged" in str(error)

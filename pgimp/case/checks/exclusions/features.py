@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from pgimp.case.body import has_means
 from pgimp.case.checks.exclusions.feature import Feature, Place, named, of_bodies, of_key
 from pgimp.geometry.regions import REGIONS, Box, Points
 from pgimp.physics.loads.motion import RigidMotion
@@ -49,7 +50,17 @@ no_boxes = of_key(
 of_points = of_key("points (`mpm`)", "method.shape", lambda method: method.is_point)
 not_separable = of_key("`cpdi-corners`", "method.shape", lambda method: not method.separable)
 initial_volume = of_key("`volume: initial`", "method.volume", lambda method: not method.tracked)
-mean = of_key("mean dilatation", "method.volumetric", lambda method: method.volumetric == "b-bar")
+mean = Feature(
+    "mean dilatation",
+    lambda bodies, method: (
+        Place(path, method.name)
+        for path in dict.fromkeys(
+            ("bodies", name, "volumetric") if body.volumetric else ("method", "volumetric")
+            for name, body in bodies.items()
+            if has_means(body, method)
+        )
+    ),
+)
 ordered = of_key(
     "`stress: average` and `last-mapped`", "method.stress", lambda method: method.stress != "last"
 )

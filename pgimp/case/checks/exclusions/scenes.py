@@ -22,8 +22,6 @@ SCENES = (
         "acts along the axis, y, alone: x is the radius", "take [0.0, ...]", "axis"),
     Exclusion(g.body_force, f.axisymmetric, "is not known in axisymmetry", "leave it out"),
     Exclusion(g.packaged_exact, f.axisymmetric, "is not known in axisymmetry", "leave it out"),
-    Exclusion(f.mixed, f.axisymmetric, "in axisymmetry all bodies have the same, but {a.name}",
-        "take total-lagrangian, or updated-lagrangian, for all"),
     # What keeps a flow's volume (`kernels/flows/filling.py`) divides the volumes summed at a vertex
     # by a cell of the plane: of rings they are 2 pi r times as great. Its shift is along gradients
     # without the hoop, and would move rings across the axis.
@@ -124,9 +122,6 @@ SCENES = (
         "{a.name} reach beyond the surfaces by which all bodies here meet ({b.name}):",
         "take gimp; in the initial configuration it is as accurate for its cost"),
     # Periodic faces.
-    Exclusion(f.mixed, g.periodic,
-        _PERIODIC + "across which only bodies of one configuration meet; {a.name}",
-        "give all bodies the same, formulation: updated-lagrangian or total-lagrangian"),
     Exclusion(f.initial_not_uniform, g.periodic,
         _PERIODIC + "where the vertices of bodies in the initial configuration begin at one "
         "velocity, [..]", "take formulation: updated-lagrangian"),

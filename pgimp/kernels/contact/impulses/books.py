@@ -61,11 +61,11 @@ def _book_areas(contact_pairs, walls, ledger):
     """Book the contact area at vertices without pressure next to vertices with pressure.
 
     Weighting divides an area between the two planes of vertices next to it. One of them may
-    transmit all of the pressure.
+    transmit all of the pressure. Patches have areas of their own.
     """
     for k in range(len(contact_pairs.ends)):
         end, row, axis = contact_pairs.ends[k], contact_pairs.states[k], 0
-        if row.normal_impulse != 0.0 or _wall_of(end, walls) >= 0:
+        if row.normal_impulse != 0.0 or _wall_of(end, walls) >= 0 or end.vertex[2] < 0:
             continue
         for d in range(1, 3):
             if abs(row.normal[d]) > abs(row.normal[axis]):

@@ -9,6 +9,9 @@ from pgimp.jit.memory import structure
 from pgimp.kernels.contact.data import PAIR_STATE
 from pgimp.kernels.data.particles import FloatArray
 
+#: Last of the numbers that stand for the vertex of a patch's pair, of its first side.
+SIDES = -(1 << 20)
+
 #: Ends of a pair: the row of each in `Coupling`, or -1 - n for a rigid end. Then the body of each;
 #: the entry of the law; the vertex, or what stands for it in `find_patch_pairs`.
 ENDS = structure(("rows", "i8", 2), ("bodies", "i8", 2), ("law", "i8"), ("vertex", "i8", 3))

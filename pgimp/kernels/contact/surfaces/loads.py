@@ -15,6 +15,7 @@ from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.contact.books import losses_of
 from pgimp.kernels.contact.data import impulse_of
 from pgimp.kernels.contact.impulses.gauss_seidel import load_pair
+from pgimp.kernels.contact.impulses.pairs import SIDES
 from pgimp.kernels.contact.surfaces.data import turns
 from pgimp.kernels.contact.surfaces.levels import end_of_patch, entry_of
 from pgimp.kernels.contact.surfaces.pressed import pressing
@@ -197,7 +198,7 @@ def add_loads(contact, contact_pairs, coupling, solved, frame, surface, every, s
         ):
             first = last
             last = end_of_patch(surface, every, first)
-        side, least = end.vertex[2] // 2, 1e300
+        side, least = end.vertex[2] - SIDES, 1e300
         J = (impulse_of(row, 0), impulse_of(row, 1), impulse_of(row, 2))
         if J[0] == 0.0 and J[1] == 0.0 and J[2] == 0.0:
             continue
@@ -230,7 +231,7 @@ def add_loads(contact, contact_pairs, coupling, solved, frame, surface, every, s
             if part > 0.0:
                 given = (own, pressed, sqrt(square), heat)
                 _give(rows, _row(rows, s, every[n].body), part, given)
-                if every[n].other >= 0:
+                if 0 <= every[n].other < len(surface.patch):
                     given = (other, pressed, sqrt(square), heat)
                     _give_other(D, surface, s, every[n].other, rows, part, given)
     for n in range(touched[0]):

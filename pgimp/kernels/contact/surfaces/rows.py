@@ -20,6 +20,7 @@ from pgimp.jit.vectors.lanes import sum_of
 from pgimp.jit.vectors.rows import load_row, store_row
 from pgimp.kernels.contact.data import clear_pair
 from pgimp.kernels.contact.impulses.coupling import release_across, set_answer
+from pgimp.kernels.contact.impulses.pairs import SIDES
 from pgimp.kernels.contact.impulses.warm_start import kept_acceleration
 from pgimp.kernels.contact.surfaces.levels import (
     AREA,
@@ -152,7 +153,7 @@ def _set_pair(contact, surface, group, side, law, size, pair):
     end.law = entry
     end.bodies[0], end.bodies[1] = (b, a) if swapped else (a, b)
     end.vertex[0], end.vertex[1] = surface.patch[every[deepest].facet], b
-    end.vertex[2] = 2 * side  # none is beside another one
+    end.vertex[2] = SIDES + side
     width = max(FADES * cell, FOLLOWS * dt * dt * kept_acceleration(kept, end))
     above = NEAR * cell if tied else level(own, count, all_of_it, least, width)
     whole, gap, sign = 0.0, above - width, 1.0 if swapped else -1.0

@@ -63,23 +63,25 @@ def find_beside(x, body, key_of, bins, strides, radius, start, beside):
 def find_tips(surface, sharp):
     """Mark the facets beside a sharp edge: a neighbour's normal is nearly the opposite one.
 
-    Those in a plane with all of their neighbours are `FLAT`. `sharp` is the greatest cosine between
-    normals at an edge.
+    Those in a plane with all of their neighbours, none of them across a seam, are `FLAT`. `sharp`
+    is the greatest cosine between normals at an edge.
     """
     for f in range(len(surface.x)):
         surface.tip[f] = FLAT
         for k in range(surface.start[f], surface.start[f + 1]):
-            m, alike, behind = surface.beside[k], 0.0, 0.0
+            m, alike, behind, across = surface.beside[k], 0.0, 0.0, False
             for d in range(3):
                 way = surface.x[m, d] - surface.x[f, d]
+                image = turns(surface, way, d)
+                across = across or image != 0.0
                 alike += surface.normal[f, d] * surface.normal[m, d]
-                behind += (way - turns(surface, way, d)) * surface.normal[f, d]
+                behind += (way - image) * surface.normal[f, d]
             if alike < sharp and behind < 0.0:
                 surface.tip[f] = 1
-            elif surface.tip[f] == FLAT and not (
-                alike > 1.0 - _IN_PLANE and abs(behind) < _IN_PLANE * surface.radius[f]
-            ):
-                surface.tip[f] = 0
+            elif surface.tip[f] == FLAT:
+                off = abs(behind) > _IN_PLANE * surface.radius[f]
+                if across or off or not alike > 1.0 - _IN_PLANE:
+                    surface.tip[f] = 0
 
 
 @kernel

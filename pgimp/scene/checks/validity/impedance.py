@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 #: Part of the strength from which this pressure is worth a word, and that which may be left of it.
 _SHOWS, _LEFT, _LITTLE = 0.1, 0.2, 0.02
-#: What is left of the pressure after N transits of a wave, times N: strip footings on clay and on
-#: soil with friction, of 1 to 1024 times the density, were too strong by 0.1 to 0.5 of it.
+#: What is left of the pressure after N travel times of a wave, times N: strip footings on clay and
+#: on soil with friction, of 1 to 1024 times the density, were too strong by 0.1 to 0.5 of it.
 _SPREADS = 0.5
 
 
@@ -123,8 +123,8 @@ def _text(
     text = (
         f"{key}: at {speed:.3g} it sends {pressure:.3g}{unit} into '{body.name}' by inertia alone "
         f"(density times wave speed times velocity{scaled}), whose strength is about "
-        f"{strength:.2g}{unit}; after {transits:.2g} transits of a wave about {left:.2g}{unit} are "
-        "left of it in the resistance, by what footings have shown"
+        f"{strength:.2g}{unit}; after {transits:.2g} travel times of a wave about {left:.2g}{unit} "
+        "are left of it in the resistance, by what footings have shown"
     )
     less = _LITTLE * strength / left
     if less >= 1.0:

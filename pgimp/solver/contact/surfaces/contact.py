@@ -7,6 +7,7 @@ themselves.
 from __future__ import annotations
 
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -160,8 +161,9 @@ class SurfaceContact(ImpulseContact):
         if self._proximity.update(rank, table, self._acts, rigid_bodies, t.dt, rate):
             self._warm_start.divide(self._proximity.has)
             if self.loads:
-                proximity = self._proximity
-                self.loads.divide(table.surface, proximity.labels, proximity.groups, proximity.met)
+                proximity, met = self._proximity, self._meeting
+                of = table.surface, proximity.labels, proximity.groups
+                self.loads.divide(*of, met, proximity.root)
         if self.loads:
             self.loads.time += t.dt
         self._meet(rank, update, table)
@@ -177,6 +179,18 @@ class SurfaceContact(ImpulseContact):
             self._proximity.restart()
             self._proximity.labels = labels_of(self.scene, self.groups, len(self._walls.planes))
         return self._table
+
+    @property
+    def _meeting(self) -> np.ndarray:
+        """Pairs of bodies that may exchange loads until the next search, (n, 2) int64."""
+        return self._proximity.met
+
+    def material_gaps(self, rank: RankState, rigid: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Facets, and their gaps to material in the current configuration, on all ranks.
+
+        Collective. `rigid` are the rigid bodies where they are now.
+        """
+        return np.empty(0, np.int64), np.empty(0)
 
     def _looking(self) -> np.ndarray:
         """Whether facets of a body look for another's: of bodies that act, those of the first."""
@@ -292,10 +306,16 @@ class SurfaceContact(ImpulseContact):
         self.call(book_groups, *of, self._walls, self._books[1])
         if self.loads:
             assert self._table is not None
-            self.call(
-                add_loads, self._contact, pairs, coupling, solved, self.scene.domain.frame,
-                self._table.surface, self._every, (self._dt, *self.loads.arrays),
-            )  # fmt: skip
+            self._add_loads(pairs, coupling, solved, self._table.surface, self._every)
+
+    def _add_loads(
+        self, pairs: ContactPairs, coupling: Coupling, solved: Solved, surface: Surface,
+        every: np.ndarray,
+    ) -> None:  # fmt: skip
+        """Add what pairs of patches have exchanged to the loads of facets."""
+        assert self.loads
+        of = self._contact, pairs, coupling, solved, self.scene.domain.frame
+        self.call(add_loads, *of, surface, every, (self._dt, *self.loads.arrays))
 
     def _pairs(
         self, surface: Surface, cells: SurfaceCells, near: tuple[np.ndarray, Patches],

@@ -67,7 +67,9 @@ class SurfaceLoads:
         """For `add_loads`."""
         return self.values, self._slot, self._begin, self._touched
 
-    def divide(self, surface: Surface, labels: np.ndarray, groups: Groups, met: np.ndarray) -> None:
+    def divide(
+        self, surface: Surface, labels: np.ndarray, groups: Groups, met: np.ndarray, root: int
+    ) -> None:
         """Take the rows of the rank's groups; collective.
 
         Parameters
@@ -76,6 +78,8 @@ class SurfaceLoads:
             See `pgimp.solver.contact.surfaces.groups.labels_of`.
         met : (n, 2) int64
             Pairs of bodies with facets near each other.
+        root : int
+            The rank that solves for what meets no facets.
         """
         self.know(surface, labels)
         fixed = np.zeros(len(labels), bool)
@@ -83,7 +87,7 @@ class SurfaceLoads:
         some = met[fixed[met].any(axis=1)]
         for body in np.unique(some[~fixed[some]]).tolist():
             self._rows_by(body)
-        self._owner = np.zeros(len(labels), np.int64)
+        self._owner = np.full(len(labels), root)
         there = groups.of >= 0
         self._owner[there] = groups.rank[groups.of[there]]
 

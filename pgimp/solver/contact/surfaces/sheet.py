@@ -59,6 +59,8 @@ class Sheets:
         u = contact.proximity.all_displacements(rank, table)
         loads, since = contact.loads.taken(table.surface, contact.proximity.labels)
         every = contact.proximity.everyone()
+        rigid = _placed(rank, contact.rigid_bodies, time)
+        beside = contact.material_gaps(rank, rigid)
         if rank.comm.rank > 0:
             return None
         if self._surface is not table.surface:
@@ -73,7 +75,8 @@ class Sheets:
         poses = rank.scene.interaction.rigid_bodies.poses(
             time, rank.free.states if rank.free else []
         )
-        gap = self._gaps(rank, contact, table, (u, *every), time)
+        gap = self._gaps(rank, contact, table, (u, *every), rigid)
+        np.fmin.at(gap, *beside)
         now = _now(rank, table, self._polygons, u, poses)
         self._smooth(rank, table.surface, now, loads, gap)
         return _sheet(table.surface, self._polygons, now, _values(loads, since, gap))
@@ -84,7 +87,7 @@ class Sheets:
         contact: SurfaceContact,
         table: Table,
         near: tuple[np.ndarray, np.ndarray, np.ndarray],
-        time: float,
+        rigid: Any,
     ) -> np.ndarray:
         """Gaps of all facets, the least one of each; nan where nothing is near.
 
@@ -97,7 +100,7 @@ class Sheets:
         surface = table.surface._replace(
             now=np.full_like(table.surface.now, np.inf), turned=table.surface.turned.copy()
         )
-        rigid, scratch = _placed(rank, contact.rigid_bodies, time), proximity.scratch
+        scratch = proximity.scratch
         u, laws = np.pad(u, ((0, 0), (0, 1))), contact.laws._replace(rigid_bodies=rigid)
         call(move_facets, frame, rigid, surface, table.cells, u, moving, scratch)
         acts, marks = np.ascontiguousarray(contact.acts.T), np.zeros(len(found), np.uint8)

@@ -102,7 +102,7 @@ def test_two_grips_pull_between_them():
 @pytest.mark.parametrize(
     "parts",
     [
-        {"formulation": "initial"},
+        {"configuration": "initial"},
         {"shape": "cpdi"},
         {"shape": "bspline-cubic", "n": 3, "velocity": "[0.4, null]"},
         {"velocity": "[0.4, null]"},  # to 1.46 of its length

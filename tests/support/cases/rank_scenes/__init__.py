@@ -46,9 +46,23 @@ from rank_scenes.laws import VARIED, affine, flowing, metals, varied
 from rank_scenes.leaving import PROBES, line_leaves, plane_leaves, sinks
 from rank_scenes.meetings import meeting, phased, staged
 from rank_scenes.passing import passing
-from rank_scenes.periods import endless, layer, rigid_round, round_and_round, surface_round
+from rank_scenes.periods import (
+    endless,
+    layer,
+    mixed_round,
+    rigid_round,
+    round_and_round,
+    surface_round,
+)
 from rank_scenes.plates import plates, plates_initial
-from rank_scenes.rings import rings, rings_free, rings_initial, rings_initial_contact, surface_rings
+from rank_scenes.rings import (
+    mixed_rings,
+    rings,
+    rings_free,
+    rings_initial,
+    rings_initial_contact,
+    surface_rings,
+)
 from rank_scenes.squeezed_blocks import SIZED
 from rank_scenes.turned import turned
 
@@ -111,6 +125,8 @@ SCENES = (
             surface_stages,
             surface_rings,
             surface_round,
+            mixed_rings,
+            mixed_round,
             initial_lattice,
             averaged_lattice,
             averaged_contact,

@@ -2,6 +2,7 @@
 
 from scenes import SOFT, box, scene
 
+from pgimp.physics.columns import SURFACE
 from rank_scenes.entries import EVERYTHING, GRID, PAIR, STIFF
 from rank_scenes.initial_bodies import within
 
@@ -159,4 +160,41 @@ def surface_round():
     case["time"]["stages"] = [
         {"name": "loose", "end": 1.2, "contact": [{"bodies": "all", "friction": 0.3}]}
     ]
+    return case
+
+
+def mixed_round():
+    """A current bed from end to end, and blocks of both kinds on it, through and beside seams.
+
+    A stage removes one of these. Frames have the loads of surfaces.
+    """
+    balls = [{"ball": {"centre": [x, 4.1], "radius": 1.9}} for x in (0.3, 18.3)]
+    initial = {"formulation": "total-lagrangian"}
+    bodies = {
+        "bed": box([0.0, 0.0], [18.0, 2.1]),
+        "disk": {"material": "stiff", "region": within([18.0, 11.0], *balls),
+                 "velocity": [2.0, -2.5]} | initial,
+        "slides": box([4.2, 2.15], [6.7, 4.3], [-4.0, -1.0]) | initial,
+        "falls": box([13.4, 2.2], [15.8, 4.35], [4.0, -1.0], "stiff"),
+        "goes": box([8.3, 2.12], [10.1, 4.0]) | initial,
+        "puck": {"rigid": {"density": 2.0}, "velocity": [2.0, -3.0],
+                 "region": {"ball": {"center": [11.2, 4.3], "radius": 1.2}}},
+        "plate": {"rigid": {"velocity": [3.0, -0.7]},
+                  "region": {"box": {"min": [-2.0, 6.2], "max": [20.0, 7.4]}}},
+    }  # fmt: skip
+    case = scene(
+        2,
+        bodies,
+        cells=[18, 9],
+        shape="finite-gimp",
+        end=0.5,
+        step={"courant": 0.3},
+        materials=PAIR,
+        gravity=[0.0, -1.0],
+        boundaries={"x-min": "periodic", "x-max": "periodic", "y-min": "unilateral"},
+        contact=[{"bodies": "all", "friction": 0.3}],
+        output={"every": 0.2, "fields": [*EVERYTHING, "unwrapped"], "surface": [*SURFACE]},
+        history={"every": {"steps": 10}},
+    )
+    case["time"]["stages"] = [{"name": "later", "end": 1.0, "remove": ["goes"]}]
     return case

@@ -2,6 +2,7 @@
 
 from scenes import SOFT, box, scene
 
+from pgimp.physics.columns import SURFACE
 from rank_scenes.entries import EVERYTHING, STIFF
 from rank_scenes.initial_bodies import within
 from rank_scenes.laws import METALS
@@ -186,4 +187,37 @@ def surface_rings():
     case["geometry"] = "axisymmetric"
     tied = [{"bodies": "all", "friction": 0.1}, {"bodies": ["tube", "sleeve"], "law": "tie"}]
     case["time"]["stages"] = [{"name": "grown", "end": 0.8, "contact": tied}]
+    return case
+
+
+def mixed_rings():
+    """A current bar and tube meet initial ones, a rigid stamp, a free disk, and a floor.
+
+    Frames have the loads of surfaces.
+    """
+    initial = {"formulation": "total-lagrangian"}
+    bodies = {
+        "bed": box([0.0, 0.0], [6.2, 1.9], None, "rubber"),
+        "bar": box([0.0, 2.1], [2.13, 4.7], [0.0, -3.0]) | initial,
+        "tube": box([3.1, 2.0], [4.97, 4.4], None, "rubber") | initial,
+        "sleeve": box([5.07, 2.2], [7.0, 4.1], [0.0, -1.0], "rubber"),
+        "disk": {"rigid": {"density": 3.0}, "velocity": [0.0, -4.0],
+                 "region": box([-2.5, 5.3], [2.5, 6.4])["region"]},
+        "stamp": {"rigid": {"velocity": [0.0, -1.5]},
+                  "region": {"ball": {"center": [5.5, 6.1], "radius": 1.83}}},
+    }  # fmt: skip
+    case = scene(
+        2,
+        bodies,
+        cells=[12, 9],
+        end=0.8,
+        step={"courant": 0.3},
+        materials={"soft": METALS["soft"], "rubber": SOFT},
+        gravity=[0.0, -2.0],
+        boundaries={"y-min": "unilateral"},
+        contact=[{"bodies": "all", "friction": 0.3}],
+        output={"every": 0.2, "fields": EVERYTHING, "surface": [*SURFACE]},
+        history={"every": {"steps": 10}},
+    )
+    case["geometry"], case["method"]["volumetric"] = "axisymmetric", "mean"
     return case

@@ -18,6 +18,7 @@ from pgimp.kernels.data.used_rows import fields_with, next_bit, used_rows
 from pgimp.kernels.data.velocity_fields import field_count, field_size
 from pgimp.kernels.grid.faces import face_count, side_of, wall_of, wall_sides
 from pgimp.kernels.rigid.bodies import position_of
+from pgimp.kernels.rigid.ring_volume import ring_volume_factor
 
 
 @inner_kernel
@@ -113,10 +114,11 @@ def _wall_pair(contact, frame, walls, w, number, sides, dt):
     row.mass, row.filled = inf, 0.5 if deep == 0 else 1.0
     contact.bodies[1] = walls.first + w
     along = tuple(0 if axis == d else sides[d] for d in range(3))
+    ring = ring_volume_factor(frame, number, along)
     for d in range(len(frame.cell)):
         area *= (1.0 if d == axis else frame.cell[d]) * (1.0 if along[d] == 0 else 0.5)
-    row.surface[axis] = -side * area * (1.0 if deep != 1 else 1e-3)
-    return find_pairs(contact, frame, along, 1.0, 2, 1, dt)
+    row.surface[axis] = -side * area * ring * (1.0 if deep != 1 else 1e-3)
+    return find_pairs(contact, frame, along, ring, 2, 1, dt)
 
 
 @inner_kernel
@@ -183,7 +185,8 @@ def find_vertex_pairs(contact, frame, faces, field, walls, first, dt, room) -> i
                         continue
                     sides, pairs = wall_sides(faces, frame, number), 0
                     if count > 1:
-                        pairs = find_pairs(contact, frame, sides, 1.0, count, 0, dt)
+                        ring = ring_volume_factor(frame, number, sides)
+                        pairs = find_pairs(contact, frame, sides, ring, count, 0, dt)
                     found = _keep(contact, frame, field, number, count, pairs, found, room)
                     for w in range(len(walls.planes)):
                         deep, axis = depth(walls.planes[w], number), walls.planes[w].axis

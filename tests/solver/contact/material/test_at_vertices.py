@@ -28,7 +28,7 @@ def by_vertex(rows):
 
 def test_pairs_are_those_of_scenes_without_surfaces():
     """The same vertices, normals, gaps and areas; a row is a body's own field there."""
-    plain, mixed = start(blocks("current")), start(blocks("initial"))
+    plain, mixed = start(blocks("updated-lagrangian")), start(blocks("total-lagrangian"))
     while plain.time < 0.1:
         plain.advance()
         mixed.advance()
@@ -68,7 +68,7 @@ def test_pairs_are_those_of_scenes_without_surfaces():
 def test_impulses_are_those_of_scenes_without_surfaces():
     """But for the two passes of these: momenta within a tenth, and no energy from nothing."""
     lines = []
-    for idle in ("current", "initial"):
+    for idle in ("updated-lagrangian", "total-lagrangian"):
         sim = start(blocks(idle, end=3.0))
         first = sim.diagnostics()
         lines.append(finish(sim).diagnostics())
@@ -87,7 +87,7 @@ def test_blocks_rest_on_a_wall_that_lets_go():
 
     At vertices a narrow block, of a cell and a half, stands by a part of that gap before the wall.
     """
-    case = blocks("initial", end=8.0, gravity=[0.0, -1.0], damping={"mass": 3.0},
+    case = blocks("total-lagrangian", end=8.0, gravity=[0.0, -1.0], damping={"mass": 3.0},
                   boundaries={"y-min": {"unilateral": {"friction": 0.2}}})  # fmt: skip
     case["bodies"] |= {"a": box([2.1, 0.02], [5.1, 3.9]), "b": box([8.1, 0.02], [9.6, 2.2])}
     sim = start(case)

@@ -6,6 +6,8 @@ meet at the vertices of the domain's grid. One solution has the impulses of all.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from pgimp.jit.rehearsal import needed
@@ -19,11 +21,12 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.physics.contact.pairs import Pairs
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.impulses.impulse_contact import ImpulseContact
-from pgimp.solver.contact.impulses.joint import Joint, merged
+from pgimp.solver.contact.impulses.joint import Joint
 from pgimp.solver.contact.impulses.room import Room
-from pgimp.solver.contact.surfaces.at_vertices import ContactAtVertices
+from pgimp.solver.contact.material.at_vertices import ContactAtVertices
+from pgimp.solver.contact.material.merged import Merger
+from pgimp.solver.contact.material.near import NearMaterial
 from pgimp.solver.contact.surfaces.contact import SurfaceContact
-from pgimp.solver.contact.surfaces.material import NearMaterial
 from pgimp.solver.contact.surfaces.table import Table
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
@@ -39,7 +42,11 @@ class MixedContact(SurfaceContact):
         own = self._among(self.pairs)
         self._at_vertices = ContactAtVertices(scene, comm, own, self._walls)
         self._material: NearMaterial | None = None
-        self._beside = Room()
+        self._beside, self._merger = Room(), Merger()
+        #: Of the step's patches, with surfaces and with material; whose facets these are.
+        self._found: list[np.ndarray] = []
+        self._has_facets = np.ones(self._walls.first + len(self._walls.planes), bool)
+        self._has_facets[self._current] = self._has_facets[self._walls.first :] = False
         self._proximity.alone = True  # bodies in the current configuration may join all groups
 
     def moved(self) -> None:
@@ -76,9 +83,21 @@ class MixedContact(SurfaceContact):
             acts[:, self.scene.settings.lagrangian] = False
             acts[self._current] = False
             self._material = NearMaterial(
-                self.scene, self.comm, self._walls, acts, self.groups, self.fields
+                self.scene, self.comm, self._walls, table, acts, self.groups, self.fields
             )
+            soft, current = np.nonzero(acts)
+            self._beyond = np.column_stack([soft, current])
         return table
+
+    @property
+    def _meeting(self) -> np.ndarray:
+        """See `SurfaceContact._meeting`; facets may meet material at any time."""
+        return np.concatenate([self._proximity.met, self._beyond])
+
+    def material_gaps(self, rank: RankState, rigid: Any) -> tuple[np.ndarray, np.ndarray]:
+        """See `SurfaceContact.material_gaps`."""
+        assert self._material is not None
+        return self._material.gaps(rank, rigid)
 
     def _meet(self, rank: RankState, update: VertexUpdate, table: Table) -> None:
         """See `SurfaceContact._meet`."""
@@ -86,8 +105,10 @@ class MixedContact(SurfaceContact):
         assert near is not None and material is not None
         rigid, t = self.rigid_bodies, update.t
         found: list[Joint | None] = []
+        self._found = []
         if needed(len(near)):
             found.append(self._joint(rank, update, table))
+            self._found.append(self._every)
         material.look(rank, table, rigid, t.dt, self._rate)
         assert material.near is not None
         if needed(material.near.any):
@@ -99,11 +120,12 @@ class MixedContact(SurfaceContact):
                 found.append(
                     self._pairs(met.surface, met.cells, of, met.vertices, step, self._beside)
                 )
+                self._found.append(self._every)
         found.append(
             self._at_vertices.find(rank, self._proximity.root, self._holding(update), t.dt)
         )
         own = [joint for joint in found if joint is not None]
-        self._act(rank, update, merged(own) if own else None)
+        self._act(rank, update, self._merger.merged(own) if own else None)
 
     def _sweep_groups(
         self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved
@@ -119,3 +141,12 @@ class MixedContact(SurfaceContact):
     ) -> None:  # fmt: skip
         """See `ImpulseContact._book`; of all groups."""
         ImpulseContact._book(self, free, pairs, coupling, solved, vertices, ledger)
+        if not self.loads or not self._found:
+            return
+        assert self._table is not None and self._material is not None
+        mine, surface = self._has_facets[pairs.ends["bodies"]].any(axis=1), self._table.surface
+        every = np.concatenate(self._found)
+        every = every[np.lexsort((every["body"], surface.patch[every["facet"]]))]
+        now, moving = self._material.surface.now.copy(), self._proximity.share.moving
+        now[moving] = surface.now[moving]
+        self._add_loads(pairs.chosen(mine), coupling, solved, surface._replace(now=now), every)

@@ -17,7 +17,7 @@ from pgimp.kernels.contact.impulses.reference_grid import (
     ReferenceVertices,
     read_reference_vertices,
 )
-from pgimp.kernels.contact.surfaces.vertices import find_shared_vertices, find_vertex_pairs
+from pgimp.kernels.contact.material.vertices import find_shared_vertices, find_vertex_pairs
 from pgimp.kernels.contact.volumes import volume_sums
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
@@ -109,4 +109,4 @@ class ContactAtVertices:
         joint: Joint | None = Joint(pairs, coupling, ReferenceVertices(own, values))
         if self.comm.size > 1 and joint is not None:
             found, joint = join(self.comm, root, joint)
-        return joint if found else None
+        return joint if needed(found) else None

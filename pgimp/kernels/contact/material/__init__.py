@@ -1,0 +1,1 @@
+"""Material in the current configuration before surfaces, and at vertices beside them."""

@@ -1,0 +1,1 @@
+"""Contact by surfaces beside material in the current configuration."""
