@@ -77,7 +77,7 @@ class Costs:
         if (time := self.seconds(factor)) is None:
             return "of unknown cost"
         if not time < _ENDLESS:
-            return "beyond any time"
+            return "more than 30 years"
         text = f"about {duration(time)} on {self.ranks} rank{'s' * (self.ranks > 1)}"
         if time > self.left:
             text += (

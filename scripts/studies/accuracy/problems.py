@@ -167,7 +167,7 @@ def problems():
     for cell, way in ((0.05, "current"), (0.025, "current"), (0.05, "initial")):
         yield f"bars that meet, cells {cell}, {way}", struck(cell, way), {}, STRUCK
     for cell, way in ((0.125, "current"), (0.0625, "current"), (0.0625, "initial")):
-        case = column(cell, configuration=way)
+        case = column(cell, formulation=way)
         yield f"column of ground, cells {cell}, {way}", case, {}, COLUMN
     yield "falling block", flying(0.1), {}, FALLING
     turning = {
@@ -175,12 +175,13 @@ def problems():
         "affine": {"affine": True},
         "initial": {"formulation": "total-lagrangian"},
     }
+    spun = (
+        ("angular-momentum-z", "end", 8.0 * _INERTIA),
+        ("kinetic-energy", "end", 0.5 * _INERTIA * 64.0),
+    )
     for way, method in turning.items():
-        spun = (
-            ("angular-momentum-z", "end", 8.0 * _INERTIA),
-            ("kinetic-energy", "end", 0.5 * _INERTIA * 64.0),
-        )
-        yield f"turning block, {way}", flying(0.1, 8.0, **method), {}, spun
+        for cell in (0.1, 0.05):
+            yield f"turning block, cells {cell}, {way}", flying(cell, 8.0, **method), {}, spun
     dragged = (
         ("reaction.y-max-x", {"mean": [0.4, 0.5]}, 24.76136 * 0.1 / 0.1 * 0.05),
         ("probe.middle.velocity-x", "end", 0.05),

@@ -160,7 +160,13 @@ def tube(cells):
     The pressure is that of the filling two coarse cells and more from all surfaces, mean over the
     last fifth of the time. The radii are those of the area by which the bore has grown.
     """
-    changes = {"grid.cell": [1.0 / cells] * 2}
+    changes = {
+        "grid.cell": [1.0 / cells] * 2,
+        "format": 1,
+        "method": {"shape": "gimp", "particles-per-cell": [2, 2], "volumetric": "b-bar"},
+        "time.step": {"courant": 0.3},
+        "contact": [{"bodies": ["filling", other]} for other in ("piston", "tube")],
+    }
     simulation = pgimp.Simulation(CASES / "thick-tube.yaml", None, changes)
     particles = simulation.particles
     place = particles["position"]

@@ -5,6 +5,7 @@ from studies.hard.courant import limits, moving_limit
 from studies.harness import options_of, origin, table
 from studies.method.bodies import SHAPES
 from studies.phases import bodies, scenes
+from studies.phases.long import SCENES
 from studies.scenes import by_turns, case_of, filled
 
 import pgimp
@@ -85,13 +86,11 @@ def others():
     ], rows))  # fmt: skip
 
 
-def long():
-    """Noise of a block after 100,000 steps."""
-    rows = [
-        [name, *(_n(scenes.shaken(method, V), 2) for V in (0.0, 0.01))]
-        for name, method in METHODS.items()
-    ]
-    print(table(["noise left after 1e5 steps", "at rest", "moves at 0.01 c"], rows))
+def long(scenes=()):
+    """Small scenes after 100,000 steps; each row as it is known."""
+    for scene in scenes or SCENES:
+        row = [scene, *(_n(SCENES[scene](method), 4) for method in METHODS.values())]
+        print(row, flush=True)
 
 
 def steps():
@@ -128,8 +127,8 @@ def main():
     """Print all tables, or some."""
     parts = {part.__name__: part for part in (waves, blocks, shapes, others, long, steps, costs)}
     words = {"nargs": "*", "among": parts, "help": "tables to measure"}
-    chosen = options_of("phases", tables=words).tables or parts
+    options = options_of("phases", tables=words, scenes={"among": SCENES})
     print(f"Measured on one core of {origin()}.\n")
-    for name in chosen:
-        parts[name]()
+    for name in options.tables or parts:
+        parts[name](*([options.scenes] if name == "long" else []))
         print(flush=True)

@@ -2,10 +2,9 @@
 
 from time import process_time
 
-import numpy as np
 from studies.flow.liquids import slosh, still
-from studies.phases.bodies import SOLID, vibration, watched
-from studies.scenes import box, case_of, core, filled, throw
+from studies.phases.bodies import vibration, watched
+from studies.scenes import case_of, core, filled
 
 import pgimp
 
@@ -67,20 +66,3 @@ def waters(method):
     level, noise, _, _ = still(method, 2)
     _, _, frequency, _ = slosh(method, 2)
     return level, noise, frequency
-
-
-def shaken(method, velocity, steps=100_000):
-    """A block shaken by 1e-6 of the wave speed: that of its noise after many steps, over that."""
-    low, dt = [4.3, 4.2], 0.3
-    room = [16.0 + np.ceil(velocity * dt * steps), 16.0]
-    body = {"material": "m", "region": box(low, [low[0] + 6.0, low[1] + 6.0])}
-    sim = core(case_of(room, 1.0, SOLID, {"b": body}, dt * steps, method=method))
-    v = 1e-6 * np.random.default_rng(1).standard_normal((sim.rank.count, 2))
-    throw(sim, v + np.array([velocity, 0.0]), np.zeros((len(v), 2, 2)))
-
-    def look(sim):
-        p, rows = sim.particles, sim.live()
-        return ((p.v[rows] - p.v[rows].mean(axis=0)) ** 2).sum()
-
-    seen = watched(sim, look, 50)
-    return None if seen is None else np.sqrt(seen[-5:].mean() / seen[0])

@@ -142,7 +142,7 @@ def test_faces_and_constraints_hold_mapped_velocities():
     ("change", "said"),
     [
         ({"formulation": "total-lagrangian"}, "is for the current configuration"),
-        ({"other": True}, "'body' is initial and 'other' current"),
+        ({"other": True}, "'body' is total Lagrangian and 'other' updated"),
     ],
 )
 def test_it_is_for_the_current_configuration(change, said):

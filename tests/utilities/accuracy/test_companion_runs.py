@@ -159,7 +159,7 @@ def test_cells_are_chosen_for_an_accuracy_and_a_run_goes_on_with_them(start, fol
     again = start("asked", coarse, resume=True)
     assert again.case.grid.cell == run.case.grid.cell and len(again.starts) == 1
     tight = entry | {"within": "0.01 %"}
-    with pytest.raises(UsageError, match=r"needs cells of .*: about .*\nThat is finer than"):
+    with pytest.raises(UsageError, match=r"needs cells of .*: .*\nThat is finer than"):
         start("tight", coarse | {"accuracy": tight})
     assert pgimp.open(folder / "tight" / "coarse" / "2h").state == "done"
     with pytest.raises(UsageError, match=r"accuracy\.of: unknown column 'heap'"):
@@ -227,3 +227,5 @@ def test_a_check_tells_of_the_companions_and_of_a_wrong_column(folder, capsys):
     assert "note: body 'left' is 1.5 cells across" in out
     assert main([*words, "accuracy={of: stain-energy, within: 5 %}"]) == 2
     assert "accuracy.of: unknown column 'stain-energy'; did you mean" in capsys.readouterr().err
+    assert main([*words, "accuracy={of: time, within: 5 %}"]) == 2
+    assert "accuracy.of: time has no error of its own" in capsys.readouterr().err

@@ -5,7 +5,7 @@ import pytest
 
 from pgimp.case.accuracy.entry import Accuracy
 from pgimp.utilities.accuracy.aligned import Curve, aligned, curve_of, has_error
-from pgimp.utilities.accuracy.estimate import edges, estimate, order_of
+from pgimp.utilities.accuracy.estimate import edges, estimate, order_of, ratio_of
 from pgimp.utilities.accuracy.forecast import Cost, seconds_of
 from pgimp.utilities.accuracy.found import with_error
 from pgimp.utilities.accuracy.quantity import found
@@ -59,6 +59,21 @@ def test_the_order_is_kept_within_bounds():
     assert order_of(0.3, (2.0, 4.0)) == 0.5
     same = estimate(curve(1.0, 1.0), [(2.0, curve(1.0, 1.0)), (4.0, curve(1.0, 1.0))])
     assert same.errors.max() < 1e-15
+
+
+@pytest.mark.parametrize("alike, order", [(True, 2.0), (False, 1.0)])
+def test_an_order_above_one_counts_as_far_as_differences_agree(alike, order):
+    """A difference that is small and goes another way than the coarse one may be so by chance."""
+    angle = 2.0 * np.pi * TIMES
+    near = Curve(TIMES, 0.1 * np.sin(angle), False)
+    far = near._replace(values=near.values + (np.sin if alike else np.cos)(angle))
+    one = estimate(Curve(TIMES, np.zeros(len(TIMES)), False), [(2.0, near), (4.0, far)])
+    assert one.order == pytest.approx(order, abs=0.01)
+
+
+def test_directions_that_keep_their_cells_do_not_count():
+    assert ratio_of([0.5, 0.2], [0.25, 0.2]) == 2.0
+    assert ratio_of([0.5, 0.41], [0.25, 0.2]) == pytest.approx(2.05)
 
 
 def test_means_between_lines_are_compared_over_the_same_times():

@@ -8,8 +8,12 @@ from two_blocks import CASE
 
 import pgimp
 from pgimp.errors import RunError
+from pgimp.io.rundir import runinfo
+from pgimp.io.rundir.ownfiles import RUN
+from pgimp.io.rundir.runinfo import describe_start
 from pgimp.mpi.comm import Serial
 from pgimp.utilities.accuracy import accompany, again, quantity
+from pgimp.utilities.accuracy.forecast import foretold
 
 pytestmark = pytest.mark.slow(20)
 
@@ -83,3 +87,12 @@ def test_its_cells_have_a_limit(start, folder):
     log = (run.path / "log.txt").read_text()
     assert re.search(r"warning: kinetic-energy@max: .*, more than the 1 % asked for", log)
     assert re.search(r"there is no second refinement: it needs cells of .*, which is finer", log)
+
+
+def test_a_job_is_told_what_it_may_cost(tmp_path):
+    known = {"seconds": 50.0, "most": 400.0, "ranks": 1, "cell": [0.5, 0.5]}
+    start = describe_start(Serial(), 0) | {"state": "stopped", "steps": 0, "forecast": known}
+    runinfo.write(tmp_path / RUN, start)
+    first, second = foretold(tmp_path, 2, 60.0)
+    assert "25 s on 2 ranks" in first and "1 job of" in first
+    assert "it runs once more, for 3:20 min at most: 4 jobs of" in second

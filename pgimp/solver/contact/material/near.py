@@ -208,8 +208,8 @@ class NearMaterial(Proximity):
             table = np.concatenate(parts)
         if len(self._order) < len(table):
             self._order = np.empty(len(table) + len(table) // 4, np.int64)
-        self.call(sort_material, table, self._start, self._order)
-        return table, self._order, self._start, region
+        reach = float(self.call(sort_material, table, self._start, self._order))
+        return table, self._order, self._start, reach, region
 
     def _gaps(self, facets: np.ndarray, material: tuple[Any, ...]) -> tuple[np.ndarray, np.ndarray]:
         """The gaps of facets, by patch and body, and the directions into the other body."""
