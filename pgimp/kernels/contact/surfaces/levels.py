@@ -11,7 +11,8 @@ W_k ~ A_k max(0, s - g_k), which add up to 1.
 Where a patch tilts, pressure p moves towards what is deepest: a spring against it, of p/d over an
 area. Weights of a step are those at its begin, so that the spring is explicit. In a grid of cells h
 it has omega^2 = 2 p/(3 rho h d) = a/(3 d), with the acceleration a of vertices at the surface by
-even pressure. So d is a dt^2/2 at least: what contact keeps the patch from in a step.
+even pressure. So d is a dt^2/4 at least, with the acceleration a that contact gave the patch in the
+last step. The gap has the least d: a constraint that changes as d does would take energy.
 """
 
 from math import inf, sqrt
@@ -23,7 +24,7 @@ from pgimp.jit.vectors.simd import lane, vector, where
 from pgimp.physics.contact.base import TIED
 
 #: The least length d in cells, and over a dt^2 with the acceleration a that contact gives a patch.
-FADES, FOLLOWS = 0.002, 0.5
+FADES, FOLLOWS = 0.002, 0.25
 
 #: Iterations for the level, at most, and the relative error of its root that ends them.
 _NEWTON, _EXACT = 40, 1e-13

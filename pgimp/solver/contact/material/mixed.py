@@ -129,7 +129,8 @@ class MixedContact(SurfaceContact):
     ) -> None:
         """See `ImpulseContact._sweep`; of all groups, without compliance of patches."""
         states, parts = pairs.states, self._sizes[1] / self._dt
-        states["gap_rate"] = np.maximum(states["gap_rate"], -parts)
+        most = np.maximum(parts, -pairs.ends["parted"])
+        states["gap_rate"] = np.maximum(states["gap_rate"], -most)
         ImpulseContact._sweep(self, free, pairs, coupling, solved)
 
     def _book(
