@@ -34,7 +34,11 @@ def run(*names):
     return sim, groups
 
 
-def test_two_heaps_have_the_bits_of_each_alone():
+#: Gaps are found anew when their search is, which the fastest bodies of all tell: to 5e-12.
+FOUND = 1e-9
+
+
+def test_two_heaps_move_as_each_alone():
     whole, groups = run("one", "other", "third", "fourth")
     assert groups == 2
     for first, names in ((0, ("one", "other")), (2, ("third", "fourth"))):
@@ -42,7 +46,7 @@ def test_two_heaps_have_the_bits_of_each_alone():
         assert groups == 1
         mine = np.isin(field(whole, "body"), [first, first + 1])
         for name in ("x", "v", "sigma"):
-            np.testing.assert_array_equal(field(whole, name)[mine], field(alone, name))
+            np.testing.assert_allclose(field(whole, name)[mine], field(alone, name), atol=FOUND)
         before = np.array([HEAPS[name]["velocity"] for name in names])
         after = field(alone, "v")[:, :2] - before[field(alone, "body")]
         assert np.abs(after).max() > 0.5  # they have met
