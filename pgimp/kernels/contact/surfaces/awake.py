@@ -3,8 +3,8 @@
 When the facets next to a patch are found, so is the way by which patch and other body have to come
 nearer until a gap can close. In the steps after, of both only the middle facets are looked at: how
 they have moved relative to each other, and how the cells there have turned and strained, in
-directions that the other body's surface carries along. So bodies that move together cost nothing,
-however fast they are.
+directions that the other body's surface carries along. So bodies that move together cost little,
+however fast they are. They are looked at in every step: what is at rest may be pushed in the next.
 """
 
 from math import inf, sqrt
@@ -12,8 +12,8 @@ from math import inf, sqrt
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.jit.vectors.rows import load_row
 from pgimp.jit.vectors.simd import lane, pack, vector
-from pgimp.kernels.contact.surfaces.data import CLEAR, KNOWN, PAUSE, PLACE, turns
-from pgimp.kernels.contact.surfaces.levels import SOON, law_of
+from pgimp.kernels.contact.surfaces.data import CLEAR, KNOWN, PLACE, turns
+from pgimp.kernels.contact.surfaces.levels import law_of
 from pgimp.kernels.contact.surfaces.motion import (
     cofactors,
     cross,
@@ -33,9 +33,6 @@ _AROUND, _BEYOND = 1.0, 2.0
 
 #: `side` of the middle facet of a patch that rests.
 RESTS = -2
-
-#: Steps for which a patch rests without being looked at, at most.
-LONGEST = 16
 
 
 @inlined
@@ -135,7 +132,7 @@ def set_place(frame, rigid_bodies, surface, moved, P, both, cell, row):
 
 @inner_kernel
 def _wakes(contact, surface, known, now, body, way, cell):
-    """Whether a patch of facet's body may have a pair, and whether it walks; else its pause is set.
+    """Whether a patch of facet's body may have a pair, and whether it walks.
 
     `known` and `now` are rows, see `KNOWN`; `way` is by how much it may come nearer in the step.
     """
@@ -149,10 +146,6 @@ def _wakes(contact, surface, known, now, body, way, cell):
     left = known[CLEAR] - off - law[2]
     if law[0] > 0 and not left > 0.0:
         return True, off > WALK * cell
-    # As it moves now, what is left suffices for some times as long.
-    known[PAUSE] = LONGEST
-    if SOON * way * LONGEST > left:
-        known[PAUSE] = float(int(left / (SOON * way)))
     return False, False
 
 
@@ -190,9 +183,6 @@ def find_awake(frame, contact, surface, moved, dt, near, moving, scratch) -> tup
     for g in range(len(patches.start) - 1):
         first, last = patches.start[g], patches.start[g + 1]
         known, middle = patches.known[g], every[(first + last) // 2]
-        if known[PAUSE] > 0.0:
-            known[PAUSE] -= 1.0
-            continue
         s, now = middle.facet, scratch[1][0]
         of = surface, moved, scratch[0], (s, middle.other)
         way = dt * set_place(frame, contact.rigid_bodies, *of, cell, now)

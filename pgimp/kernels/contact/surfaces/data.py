@@ -35,9 +35,9 @@ NEAR_FACET = structure(
 
 
 #: What is known of a patch since the facets next to it were found: the way by which its gaps were
-#: from closing, and the steps for which it rests. From `PLACE` on the vector from the other body's
-#: facet to its middle one, and the deformation gradients of both, in directions of the former.
-CLEAR, PAUSE, PLACE, KNOWN = 0, 1, 2, 23
+#: from closing. From `PLACE` on the vector from the other body's facet to its middle one, and the
+#: deformation gradients of both, in directions of the former.
+CLEAR, PLACE, KNOWN = 0, 1, 22
 
 
 class Surface(NamedTuple):

@@ -5,7 +5,7 @@ from math import inf
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.contact.surfaces.data import turns
 from pgimp.kernels.contact.surfaces.nearest import FLAT, apart, reluctance
-from pgimp.kernels.data.motion import DISPLACEMENT
+from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_VELOCITY
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.once.neighbours import first_not_below
 
@@ -112,6 +112,30 @@ def bound_clusters(frame, numbers, records, motion, clusters, ends):
             x += motion.values[r * RECORD + DISPLACEMENT + d]
             ends[0, c, d] = min(ends[0, c, d], x)
             ends[1, c, d] = min(ends[1, c, d], -x)
+
+
+@kernel
+def greatest_way(frame, records, motion, before, dt):
+    """Most cells along a direction from where vertices were to where they are after a time.
+
+    Parameters
+    ----------
+    records, motion
+        As of `bound_clusters`.
+    before : (v, 3) float64
+        Displacements to begin from; those of now if there are none.
+    dt : float
+        The time.
+    """
+    most = 0.0
+    for v in range(len(records)):
+        r = records[v] * RECORD
+        for d in range(len(frame.cell) if r >= 0 else 0):
+            way = dt * abs(motion.values[r + KEPT_VELOCITY + d])
+            if len(before) > 0:
+                way += abs(motion.values[r + DISPLACEMENT + d] - before[v, d])
+            most = max(most, way * frame.inverse[d])
+    return most
 
 
 @kernel

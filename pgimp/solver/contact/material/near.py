@@ -25,14 +25,12 @@ from pgimp.kernels.contact.surfaces.data import Surface, SurfaceCells, no_facets
 from pgimp.kernels.contact.surfaces.levels import NEAR
 from pgimp.kernels.contact.surfaces.motion import move_facets
 from pgimp.kernels.contact.surfaces.search import keys_of_vertices
-from pgimp.kernels.data.motion import KEPT_VELOCITY
-from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.impulses.messages import greatest, swap
 from pgimp.solver.contact.material.region import NearRegion
-from pgimp.solver.contact.surfaces.proximity import LONGEST, TRAVEL, Proximity
+from pgimp.solver.contact.surfaces.proximity import NOWHERE, TRAVEL, Proximity
 from pgimp.solver.contact.surfaces.shares import Near, select
 from pgimp.solver.contact.surfaces.table import Table, bits_of, records_of
 from pgimp.solver.rank_state import RankState
@@ -95,15 +93,13 @@ class NearMaterial(Proximity):
         """Search, if any facets may have come near material since; collective."""
         if self._window is not rank.grid.window:
             self._locate(rank, table)
-        self._pause -= 1
-        if self._pause >= 0:
-            return
         p, order = rank.population.up_to_date(), rank.population.order
-        frame = self.scene.domain.frame
-        fastest = float(self.call(greatest_speed, frame, p, order))
-        fastest = greatest(self.comm, max(fastest, self._speed(rank) / min(frame.cell)))
-        travel = max(fastest, rate) * dt
-        self._pause = int(max(1.0, min(LONGEST, TRAVEL / travel if travel > 0.0 else LONGEST))) - 1
+        fastest = float(self.call(greatest_speed, self.scene.domain.frame, p, order)) * dt
+        travel = greatest(self.comm, max(fastest, self.way(rank, NOWHERE, dt), rate * dt))
+        self._moved += travel
+        if self.near is not None and self._moved <= TRAVEL:
+            return
+        self._moved = travel
         self._find_root(rank)
         some = np.flatnonzero(np.isin(table.body, self._met))
         low, high = self.boxes(rank, table, rigid)
@@ -121,12 +117,6 @@ class NearMaterial(Proximity):
         if self.near is not None:
             self.near = select(self.comm, table, self.near.facets, self._records)
             self._know_owners(rank)
-
-    def _speed(self, rank: RankState) -> float:
-        """Greatest component of a velocity of the rank's vertices of surfaces."""
-        own = rank.grid.kept.values.reshape(-1, RECORD)[self._records[self._records >= 0]]
-        v = own[:, KEPT_VELOCITY : KEPT_VELOCITY + self.scene.dimension]
-        return float(np.abs(v).max(initial=0.0))
 
     def _number(self, rank: RankState) -> None:
         """Number the vertices of facets and of material together, by their keys."""

@@ -14,8 +14,9 @@ from pgimp.kernels.contact.surfaces.awake import find_awake
 from pgimp.kernels.contact.surfaces.data import KNOWN, Patches, no_facets
 from pgimp.kernels.contact.surfaces.gaps import FARTHEST
 from pgimp.kernels.contact.surfaces.motion import move_facets
+from pgimp.kernels.contact.surfaces.search import greatest_way
 from pgimp.kernels.contact.surfaces.spread import kept_of, scratch_of
-from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_VELOCITY
+from pgimp.kernels.data.motion import DISPLACEMENT
 from pgimp.kernels.data.record import RECORD
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
@@ -31,22 +32,24 @@ from pgimp.solver.contact.surfaces.shares import Share, marked, share_of
 from pgimp.solver.contact.surfaces.table import Table, records_of
 from pgimp.solver.rank_state import RankState
 
-#: Cells by which each body may move until the next search, at most, and the most steps until it
-#: looks how far they have moved.
-TRAVEL, LONGEST = 0.25, 16
+#: Cells by which each body may move until the next search, at most.
+TRAVEL = 0.25
 
-#: Cells by which it may move at least, and else the way in so many times that number of steps.
-_LEAST, _AHEAD = 0.02, 2.0
+#: Cells by which it may move at least, and else the way in so many steps.
+_LEAST, _AHEAD = 0.02, 32.0
+
+#: Displacements at no search.
+NOWHERE = np.empty((0, 3))
 
 #: Pieces of facets that are kept within a step, for each candidate.
 PIECES = 3
 
 U = slice(DISPLACEMENT, DISPLACEMENT + 3)
 
-#: What a checkpoint has: three numbers, the lengths of these parts, and displacements at the last
+#: What a checkpoint has: two numbers, the lengths of these parts, and displacements at the last
 #: search, facets near others, those that move, facets, bodies and next facets of candidates, and
 #: what is known of their patches.
-_NUMBERS, _PARTS = 3, 5
+_NUMBERS, _PARTS = 2, 5
 
 
 class Proximity:
@@ -97,7 +100,7 @@ class Proximity:
         self._travel = TRAVEL
         self.reach = float(self._reach().max())
         self.met = np.empty((0, 2), np.int64)
-        self._pause, self._moved = 0, 0.0
+        self._moved = 0.0
         self._records = np.empty(0, np.int64)
         self.patches = Patches(
             np.zeros(1, np.int64), np.empty(0, np.int64), np.empty(0, np.uint8), np.empty(0),
@@ -121,7 +124,7 @@ class Proximity:
 
     def restart(self) -> None:
         """Search in the next step: the surfaces have changed."""
-        self._pause, self._window, self.facets = 0, None, None
+        self._moved, self._window, self.facets = np.inf, None, None
 
     def relocate(self) -> None:
         """Note that vertices have changed ranks, perhaps. This is no reason to search."""
@@ -141,7 +144,7 @@ class Proximity:
             return np.empty(0)
         of = np.stack([every["facet"], every["body"], every["other"]], axis=1)
         parts = self._before.ravel(), self.facets, self._moving, of.ravel(), known.ravel()
-        numbers = [self._pause, self._moved, self._travel]
+        numbers = [self._moved, self._travel]
         return np.concatenate([numbers, list(map(len, parts)), *parts])
 
     def restore(self, state: np.ndarray) -> None:
@@ -157,8 +160,7 @@ class Proximity:
             return
         before, facets, moving, found, known = np.split(state[head:], np.cumsum(sizes[:-1]))
         self.facets, self._moving = facets.astype(np.int64), moving.astype(np.int64)
-        self._pause = int(state[0])
-        self._moved, self._travel = state[1:_NUMBERS].tolist()
+        self._moved, self._travel = state[:_NUMBERS].tolist()
         self._before = before.reshape(-1, 3)
         every = candidates_of(table.surface, found.astype(np.int64).reshape(-1, 3))
         self._found = every, known.reshape(-1, KNOWN), *np.empty((2, 0), np.int64)
@@ -191,20 +193,20 @@ class Proximity:
         first = slab.layers and (slab.lower is None or slab.first == self.scene.domain.ring)
         self.root = -int(greatest(self.comm, -self.comm.rank if first else -self.comm.size))
 
-    def _everywhere(self, own: np.ndarray, u: np.ndarray) -> np.ndarray:
-        """Displacements of all surface vertices, given those of the mask `own`; collective."""
-        found = np.zeros((len(own), 3))
-        found[own] = u
+    def all_displacements(
+        self, rank: RankState, table: Table, records: np.ndarray | None = None
+    ) -> np.ndarray:
+        """Displacements of all surface vertices, (v, 3) float64; collective.
+
+        `records` are theirs, see `records_of`; they are found if they may have changed.
+        """
+        records = records_of(rank, table.numbers) if records is None else records
+        own, found = np.flatnonzero(records >= 0), np.zeros((len(records), 3))
+        found[own] = rank.grid.kept.values.reshape(-1, RECORD)[records[own], U]
         if self.comm.size > 1:
-            for some, values in self.comm.allgather((np.flatnonzero(own), u)):
+            for some, values in self.comm.allgather((own, found[own])):
                 found[some] = values
         return found
-
-    def all_displacements(self, rank: RankState, table: Table) -> np.ndarray:
-        """Displacements of all surface vertices, (v, 3) float64; collective."""
-        records = records_of(rank, table.numbers)
-        own, motion = records >= 0, rank.grid.kept.values.reshape(-1, RECORD)
-        return self._everywhere(own, motion[records[own], U])
 
     def update(
         self, rank: RankState, table: Table, acts: np.ndarray, rigid: Any, dt: float, rate: float
@@ -228,26 +230,15 @@ class Proximity:
         if self._window is not rank.grid.window:
             self._locate(rank, table)
             divided = self.facets is not None
-        self._moved += rate * dt
-        self._pause -= 1
-        if self._pause >= 0:
-            return divided
-        own = self._records >= 0
-        motion = rank.grid.kept.values.reshape(-1, RECORD)[self._records[own]]
-        inverse, D = np.array(rank.grid.frame.inverse), self.scene.dimension
-        speed = np.abs(motion[:, KEPT_VELOCITY : KEPT_VELOCITY + D]) * inverse
-        travel = max(greatest(self.comm, float(speed.max(initial=0.0))), rate) * dt
-        moved = np.inf
+        # Each step looks: what is at rest may be pushed, and steps may become longer.
         if self.facets is not None:
-            away = np.abs(motion[:, U] - self._before[own])[:, :D] * inverse
-            moved = float(away.max(initial=0.0))
-        left = self._travel - max(greatest(self.comm, moved), self._moved)
-        if left > 4.0 * travel:
-            self._pause = int(min(LONGEST, left / travel if travel > 0.0 else LONGEST)) - 1
-            return divided
-        self._before, self._moved = self._everywhere(own, motion[:, U]), 0.0
-        self._travel = float(np.clip(_AHEAD * LONGEST * travel, _LEAST, TRAVEL))
-        self._pause = int(max(1.0, min(LONGEST, self._travel / max(travel, 1e-300)))) - 1
+            way = max(self.way(rank, self._before, dt), self._moved + rate * dt)
+            if greatest(self.comm, way) <= self._travel:
+                self._moved += rate * dt
+                return divided
+        self._before, self._moved = self.all_displacements(rank, table, self._records), rate * dt
+        travel = greatest(self.comm, max(self.way(rank, NOWHERE, dt), rate * dt))
+        self._travel = float(np.clip(_AHEAD * travel, _LEAST, TRAVEL))
         self._find_root(rank)
         boxes, reach = self.boxes(rank, table, rigid), self._reach()
         call, scene, walls = self.call, self.scene, self.walls
@@ -282,6 +273,12 @@ class Proximity:
             (self.candidates, patches), moving, (self.scratch[0], self._now),
         )  # fmt: skip
         return patches.first(awake), self._chosen[:moves]
+
+    def way(self, rank: RankState, before: np.ndarray, dt: float) -> float:
+        """See `greatest_way`; of the rank's vertices of surfaces."""
+        return float(
+            self.call(greatest_way, rank.grid.frame, self._records, rank.grid.kept, before, dt)
+        )
 
     def has(self, bodies: np.ndarray) -> np.ndarray:
         """Mask of the pairs of bodies, (n, 2), in the rank's groups; on the root those in none."""

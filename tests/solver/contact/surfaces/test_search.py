@@ -98,6 +98,28 @@ def test_patches_that_rest_are_too_far_to_act():
     assert acting > 50 and resting > 200 and near > 100
 
 
+@pytest.mark.parametrize(("gap", "weight"), [(0.1, 25.0), (0.7, 10.0)])
+@pytest.mark.parametrize("since", [0.08, 0.2, 0.3])
+def test_what_is_at_rest_may_be_pushed_at_once(gap, weight, since):
+    """A block near another falls as soon as there is weight, and lands on it."""
+    bodies = {
+        "table": box([1.2, 0.0], [6.6, 2.03]) | EXACT,
+        "rests": box([2.1, 2.03 + gap], [5.2, 4.1 + gap]) | EXACT,
+    }
+    none, all_of_it = [0.0, 0.0], [0.0, -weight]
+    weights = [[0.0, none], [since, none], [since + 1e-4, all_of_it]]
+    case = scene(2, bodies, cells=[9, 6], step={"courant": 0.3}, end=since + 0.6,
+                 gravity={"table": weights}, boundaries={"y-min": "fixed"},
+                 contact=[{"bodies": "all", "friction": 0.3}])  # fmt: skip
+    sim, deepest = start(case), 0.0
+    while not sim.finished:
+        sim.advance()
+        deepest = min(deepest, sim.rank.contact.proximity.candidates["gap"].min(initial=0.0))
+    line = sim.diagnostics()
+    assert line["contact.all.normal-impulse"] > 0.0
+    assert -0.05 < deepest < 0.0
+
+
 def test_a_body_that_a_stage_removes_holds_nothing():
     """What lay on it falls freely."""
     bodies = {
