@@ -14,6 +14,9 @@ from pgimp.kernels.data.particles import FloatArray, IntArray
 #: have to compensate for the prescribed ones at many times the speed.
 LEAST_FREE = 0.25
 
+#: Greatest component of a normal across which a patch counts as free, if any vertex is.
+_ASKEW = 0.5
+
 
 class Coupling(NamedTuple):
     """Rows of the coupling matrix B for the contact pairs."""
@@ -48,6 +51,22 @@ def set_answer(coupling, r, numbers):
     for d in range(3):
         free = lane(gives, d) >= LEAST_FREE * lane(every, d)
         coupling.answer[r, d] = lane(found, d) if free else 0.0
+
+
+@inner_kernel
+def release_across(coupling, r, numbers, normal):
+    """Restore the inverse mass of row `r` in directions nearly across the normal.
+
+    There `set_answer` takes a patch for held whose vertices are so for the most part. The other
+    half of a body, beyond a plane of symmetry, would move its free vertices all the same.
+    """
+    for d in range(3):
+        if coupling.answer[r, d] != 0.0 or abs(normal[d]) > _ASKEW:
+            continue
+        found = 0.0
+        for k in range(coupling.start[r], coupling.start[r + 1]):
+            found += coupling.entry[k, 0] ** 2 * numbers[coupling.column[k], OF_INVERSE_MASS + d]
+        coupling.answer[r, d] = found
 
 
 @inner_kernel

@@ -37,7 +37,7 @@ NUMBER, FACET, NUMBERED = range(3)
 #: Least area A, in areas of the patch.
 _LEAST = 0.03
 
-#: Cells of gap above which a patch has no pair. Over the greatest distance of a vertex in the step
+#: Cells of gap above which a patch has no pair. Over the way by which it comes nearer in the step
 #: the gap above which it has none either, and cells of gap at which it always has one.
 NEAR, SOON, TOUCHES = 0.25, 4.0, 1e-3
 
@@ -64,18 +64,18 @@ def entry_of(pairs, a, b):
 
 
 @inner_kernel
-def law_of(pairs, a, b, cell, travels):
+def law_of(pairs, a, b, cell, way):
     """As `entry_of`, and the gap from which on two bodies do not act on each other.
 
-    `cell` is the least side of a cell, `travels` are the ways of the bodies' fastest vertices in a
-    step.
+    `cell` is the least side of a cell, `way` the one by which they may come nearer in a step; below
+    0 every gap matters.
     """
     entry, swapped = entry_of(pairs, a, b)
     if entry == 0:
         return entry, swapped, 0.0
     near = NEAR * cell
     if pairs.kind[entry - 1] != TIED:
-        soon = SOON * max(travels[a], travels[b]) + TOUCHES * cell
+        soon = SOON * way + TOUCHES * cell if way >= 0.0 else near
         near = max(min(near, soon), pairs.adhesion[entry - 1, 2])
     return entry, swapped, near
 

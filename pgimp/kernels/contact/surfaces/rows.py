@@ -24,10 +24,9 @@ from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.jit.vectors.lanes import sum_of
 from pgimp.jit.vectors.rows import load_row, store_row
 from pgimp.kernels.contact.data import clear_pair
-from pgimp.kernels.contact.impulses.coupling import set_answer, velocity_before
+from pgimp.kernels.contact.impulses.coupling import release_across, set_answer, velocity_before
 from pgimp.kernels.contact.impulses.pairs import SIDES
 from pgimp.kernels.contact.impulses.warm_start import kept_acceleration
-from pgimp.kernels.contact.surfaces.held import release_across
 from pgimp.kernels.contact.surfaces.levels import (
     AREA,
     FACET,
@@ -37,7 +36,6 @@ from pgimp.kernels.contact.surfaces.levels import (
     NEAR,
     NUMBER,
     WEIGHT,
-    end_of_patch,
     find_sides,
     gather,
     law_of,
@@ -225,7 +223,7 @@ def _rigid_velocity(rigid_bodies, s, place, before):
 
 @kernel
 def find_patch_pairs(
-    contact, frame, surface, cells, every, step, scratch, found
+    contact, frame, surface, cells, near, step, scratch, found
 ) -> tuple[int, int, int, int]:
     """Find the pairs of patches and other bodies, and their rows.
 
@@ -233,11 +231,11 @@ def find_patch_pairs(
     ----------
     contact : Contact
         Laws and rigid bodies.
-    every : (n,) NEAR_FACET
-        Candidates with their gaps, by patch and other body. Sides and weights are set here.
-    step : (float, (bodies,) float64, (n,) KEPT_FORCE)
-        Length of the step, the ways of the fastest vertices in it, see `law_of`, and forces of
-        the last step, see `begin_impulses`.
+    near : ((n,) NEAR_FACET, Patches)
+        Candidates with their gaps, by patch and other body. Sides and weights are set here, of
+        patches that are awake.
+    step : (float, (n,) KEPT_FORCE)
+        Length of the step, and forces of the last step, see `begin_impulses`.
     scratch : ((m, NUMBERS) float64, (m, 2) int64, group, pieces, kept)
         The records of `ReferenceVertices`, and scratch; the last two as of `scratch_of`. In
         `group` are sums, (cells, 2^D) float64, cells, (cells,) int64, and room of `gather`.
@@ -249,21 +247,21 @@ def find_patch_pairs(
     tuple of 4 int
         Numbers of pairs, rows and entries; the candidate with the least gap, -1 without any.
     """
-    D, (values, seen, (sums, known, own, numbers), pieces, its), (dt, travels, kept) = (
+    D, (values, seen, (sums, known, own, numbers), pieces, its), (dt, kept) = (
         len(frame.cell), scratch, step
     )  # fmt: skip
-    contact_pairs, coupling = found
-    cell, room = frame.cell[0], (values, seen, (sums, known), pieces, its)
+    (contact_pairs, coupling), (every, patches), cell = found, near, frame.cell[0]
+    room = values, seen, (sums, known), pieces, its
     for d in range(D):
         cell = min(cell, frame.cell[d])
     seen[:, 0] = -1
     sums[:] = 0.0
-    pairs, rows, used, last, start, deepest = 0, 0, 0, 0, coupling.start, -1
+    pairs, rows, used, start, deepest = 0, 0, 0, coupling.start, -1
     start[0] = 0
-    while last < len(every):
-        first = last
-        s, last = every[first].facet, end_of_patch(surface, every, first)
-        law = law_of(contact.pairs, surface.body[s], every[first].body, cell, travels)
+    for k in range(len(patches.awake)):
+        first, last = patches.start[patches.awake[k]], patches.start[patches.awake[k] + 1]
+        s = every[first].facet
+        law = law_of(contact.pairs, surface.body[s], every[first].body, cell, patches.ways[k])
         sides, side = 0, -1
         if law[0] > 0:
             sides = find_sides(surface, every, first, last, law[2])
