@@ -23,7 +23,7 @@ _ADVICE = {
     INVERTED: f"{_UNSTABLE}, shape: gimp instead of mpm",
     TOO_FAST: _UNSTABLE,
     OUTSIDE: "a larger grid (grid.origin, grid.size), a condition on that face (boundaries), "
-    "letting particles go there (escape), an earlier time.end",
+    "letting particles go there (outflow), an earlier time.end",
 }
 #: At a face with a condition, which holds particles in unless it moves them out.
 _DRAWN_OUT = (

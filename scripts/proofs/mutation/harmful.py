@@ -62,7 +62,7 @@ def enlarge(data, chance):
     todo = (
         lambda: grid.update(cell=[h / huge for h in grid["cell"]]),
         lambda: grid["size"].__setitem__(d, huge * grid["size"][d]),
-        lambda: data["method"].update(particles_per_cell=[int(huge)] * D),
+        lambda: data.setdefault("method", {}).update({"particles-per-cell": [int(huge)] * D}),
         everything,
         lambda: data.update(gravity={"table": [[i / n, [0.0] * D] for i in range(n)]}),
         lambda: data.update(output={"at": [data["time"]["end"] * i / n for i in range(n)]}),
