@@ -10,6 +10,7 @@ from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.impulses.pairs import SeparatingWalls
 from pgimp.kernels.contact.surfaces.data import no_facets
+from pgimp.kernels.contact.surfaces.nearest import ACROSS
 from pgimp.kernels.contact.surfaces.search import (
     bound_clusters,
     find_close,
@@ -138,7 +139,7 @@ def find_candidates(
         axis, side, place, *_ = walls.planes[body - walls.first].tolist()
         at = frame.origin[axis] + (place - frame.ghost) * frame.cell[axis]
         away = side * (at - surface.now[these, axis])
-        these = these[(away < reach[axis]) & (side * surface.turned[these, axis] > 0.0)]
+        these = these[(away < reach[axis]) & (side * surface.turned[these, axis] > -ACROSS)]
         one = no_facets(len(these))
         one["facet"], one["body"], one["other"] = these, body, -1
         marks[these] = 1

@@ -25,6 +25,7 @@ from pgimp.solver.contact.surfaces.candidates import (
 )
 from pgimp.solver.contact.surfaces.groups import Groups, find_groups
 from pgimp.solver.contact.surfaces.table import Table, records_of
+from pgimp.solver.contact.surfaces.wide import joined, moving_of
 from pgimp.solver.rank_state import RankState
 
 #: Cells by which each body may move until the next search, at most, and the most steps until it
@@ -34,8 +35,8 @@ TRAVEL, LONGEST = 0.25, 16
 #: Cells by which it may move at least, and else the way in so many times that number of steps.
 _LEAST, _AHEAD = 0.02, 2.0
 
-#: Pieces of facets that are kept within a step, for each candidate.
-PIECES = 3
+#: Pieces of facets that are kept within a step, for each candidate, and more for a wide one.
+PIECES, _MORE_PIECES = 3, 4
 
 #: Cells of travel within which the facets next to others stay so.
 WALK = 0.01
@@ -300,6 +301,9 @@ class Proximity:
             of = table.surface, self.near.cells, u, self.near.facets, self.scratch
             call(move_facets, scene.domain.frame, rigid, *of)
             found, self._moving = find_candidates(call, scene, walls, table, acts, meeting, reach)
+            found = joined(table, found)
+            travel = np.inf if scene.case.output.surface else self._travel
+            self._moving = moving_of(table, found, travel, self._moving)
         found, self._moving = self.comm.bcast((found, self._moving), self.root)
         self._divide(table, found)
         return True
@@ -333,7 +337,7 @@ class Proximity:
 
     def _divide(self, table: Table, every: np.ndarray) -> None:
         """Find the groups of all candidates, and the rank's share; collective."""
-        surface, facet = table.surface, every["facet"]
+        surface, facet = table.every, every["facet"]
         bodies = np.column_stack([surface.body[facet], every["body"]])
         count = len(self.labels)
         met, of = np.unique(bodies[:, 0] * count + bodies[:, 1], return_inverse=True)
@@ -367,8 +371,10 @@ class Proximity:
         )  # fmt: skip
         self._poses = None
         self._soft = int((surface.cell[self.share.moving] >= 0).sum())
-        if len(self.scratch[-1][0]) < PIECES * len(mine):
-            kept = kept_of(self.scene.dimension, PIECES * len(mine) * 5 // 4)
+        room = PIECES * len(mine)
+        room += _MORE_PIECES * int((self.candidates["facet"] >= len(table.wide)).sum())
+        if len(self.scratch[-1][0]) < room:
+            kept = kept_of(self.scene.dimension, room * 5 // 4)
             self.scratch = (*self.scratch[:-1], kept)
 
     def _select(self, table: Table, facets: np.ndarray) -> Near:
@@ -388,7 +394,7 @@ class Proximity:
         """Mask of the vertices that move some facets; all cells."""
         cells = table.cells
         marks, used = np.zeros(len(table.keys), bool), np.zeros(len(cells.low), bool)
-        some = table.surface.cell[facets]
+        some = table.every.cell[facets]
         used[some[some >= 0]] = True
         for _ in range(self.scene.dimension - 1):  # facets may reach into cells beside
             beside = cells.beside[used]

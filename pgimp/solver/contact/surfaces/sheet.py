@@ -19,6 +19,7 @@ from pgimp.solver.contact.grown import grown
 from pgimp.solver.contact.surfaces.contact import SurfaceContact
 from pgimp.solver.contact.surfaces.smooth import Smoothed, smooth
 from pgimp.solver.contact.surfaces.table import Table, sorted_bins
+from pgimp.solver.contact.surfaces.wide import parted
 from pgimp.solver.rank_state import RankState
 
 #: Cells of gap below which a facet is next to those under load.
@@ -103,6 +104,7 @@ class Sheets:
         )
         scratch = proximity.scratch
         u, laws = np.pad(u, ((0, 0), (0, 1))), contact.laws._replace(rigid_bodies=rigid)
+        moving = moving[moving < len(found)]
         call(move_facets, frame, rigid, surface, table.cells, u, moving, scratch)
         reach, acts = (proximity.reach, frame.cell[0]), np.ascontiguousarray(contact.acts.T)
         some, bins = sorted_bins(surface.now, moving, reach[0], rank.scene.dimension)
@@ -113,7 +115,7 @@ class Sheets:
             no_facets,
             lambda room: call(find_meeting, surface, acts, some, bins, reach, marks, best, room),
         )
-        for every in (candidates.copy(), others[:number]):
+        for every in (parted(table, candidates)[0], others[:number]):
             call(find_gaps, frame, laws, proximity.walls, surface, (table.cells, u), scratch,
                  (proximity.far, True, np.full(len(acts), -1.0)), every)  # fmt: skip
             some = every[np.isfinite(every["gap"])]

@@ -1,0 +1,165 @@
+"""Wide facets: those of a flat face in a cell, as one, where another flat face is before them.
+
+Weights of a patch are means over its facets, by their second moments, see
+`pgimp.kernels.contact.surfaces.spread`. So a rectangle has exact ones, whatever it is made of. Near
+edges and before what is not flat, small facets tell where a patch touches.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pgimp.kernels.contact.surfaces.data import Surface
+from pgimp.kernels.contact.surfaces.nearest import FLAT
+from pgimp.scene.bodies.surface_patches import radius_of
+from pgimp.scene.bodies.surfaces.boxes import distinct
+
+if TYPE_CHECKING:
+    from pgimp.solver.contact.surfaces.table import Table
+
+#: Greatest relative error of areas of rectangles, and cosines' and places' of what is in a plane.
+_EXACT = 1e-6
+
+#: Least cosine between a normal and the opposite one of faces that lie on each other.
+_PARALLEL = 1.0 - 5e-5
+
+#: Cells by which neighbours of facets are apart at least, on the other side of a ring of them.
+_RING = 0.25
+
+
+def with_wide(
+    surface: Surface, inside: np.ndarray, cell: np.ndarray, number: np.ndarray
+) -> tuple[Surface, np.ndarray]:
+    """Facets, and after them wide ones; the wide one that each facet is part of, or -1.
+
+    Parameters
+    ----------
+    surface : Surface
+        The facets of all bodies.
+    inside : (n,) bool
+        Whether they are in a plane, and not at its edges.
+    cell : (D,) float64
+        Sides of a cell.
+    number : (n, D) int64
+        Numbers of the cells that they are in.
+    """
+    D, wide, flat = len(cell), np.full(len(surface.x), -1), np.flatnonzero(inside)
+    if D < 3 or not len(flat):
+        return surface, wide
+    first, of = distinct(np.column_stack([surface.patch, surface.cell, number])[flat])
+    own, order = flat[first], np.argsort(of, kind="stable")
+    begin = np.searchsorted(of[order], np.arange(len(first)))
+
+    def sums(values: np.ndarray) -> np.ndarray:
+        """Sums over the facets of each wide one."""
+        return np.add.reduceat(values[order], begin)
+
+    part, edges = surface.area[flat], surface.edges[flat]
+    area = sums(part)
+    x = sums(part[:, None] * surface.x[flat]) / area[:, None]
+    way = surface.x[flat] - x[of]
+    square = way[:, :, None] * way[:, None] + (edges.transpose(0, 2, 1) @ edges) / 3.0
+    moments = sums(part[:, None, None] * square) / area[:, None, None]
+    normal, edges = surface.normal[own], np.zeros((len(own), 2, 3))
+    b = surface.edges[own, 1]
+    b = b / np.sqrt((b * b).sum(axis=1))[:, None]
+    a = np.cross(b, normal)
+    along, skew, across = (
+        3.0 * np.einsum("ki,kij,kj->k", *each) for each in ((a, moments, a), (a, moments, b),
+                                                           (b, moments, b))
+    )  # fmt: skip
+    along = np.sqrt(along)
+    skew /= along
+    across = np.sqrt(np.maximum(across - skew**2, 0.0))
+    edges[:, 0], edges[:, 1] = along[:, None] * a + skew[:, None] * b, across[:, None] * b
+    low = np.minimum.reduceat((surface.middle - surface.half)[flat[order]], begin)
+    high = np.maximum.reduceat((surface.middle + surface.half)[flat[order]], begin)
+    same = np.minimum.reduceat((surface.normal[flat] * normal[of]).sum(axis=1)[order], begin)
+    good = (np.bincount(of) > 1) & (same > 1.0 - _EXACT)
+    good &= np.abs(4.0 * along * across - area) < _EXACT * area
+    wide[flat] = np.where(good, len(wide) + np.cumsum(good) - 1, -1)[of]
+    own = own[good]
+    place = surface.place[own]
+    place[:, :D] += (x[good] - surface.x[own])[:, :D] / cell
+    more = {
+        "x": x[good], "middle": 0.5 * (low + high)[good], "half": 0.5 * (high - low)[good],
+        "area": area[good], "radius": radius_of(area[good], D), "place": place,
+        "edges": edges[good], "start": np.full(len(own), surface.start[-1]),
+    }  # fmt: skip
+    found = {
+        name: np.concatenate([values, more[name] if name in more else values[own]])
+        for name, values in surface._asdict().items() if name not in ("beside", "periods")
+    }  # fmt: skip
+    return surface._replace(**found), wide
+
+
+def joined(table: Table, every: np.ndarray) -> np.ndarray:
+    """Candidates by patch and body, with wide facets where all parts lie on one plane.
+
+    Normals are those of the last search: what tilts by a hundredth keeps small facets.
+    """
+    surface, facet, other = table.surface, every["facet"], every["other"]
+    parts = np.bincount(table.wide[table.wide >= 0] - len(table.wide), minlength=1)
+    before = other >= 0
+    faces = np.abs(surface.turned[facet]).max(axis=1)  # walls are across an axis
+    turned = surface.turned[facet[before]] * surface.turned[other[before]]
+    faces[before] = np.where(surface.tip[other[before]] & FLAT, -turned.sum(axis=1), 0.0)
+    some = np.flatnonzero((table.wide[facet] >= 0) & (faces > _PARALLEL))
+    if not len(some):
+        return every
+    wide = table.wide[facet[some]]
+    first, of = distinct(np.column_stack([wide, every["body"][some]]))
+    before = other[some[first]][of]
+    n, away = surface.normal[before], surface.x[other[some]] - surface.x[before]
+    alike = (n * surface.normal[other[some]]).sum(axis=1) > 1.0 - _EXACT
+    alike &= np.abs((n * away).sum(axis=1)) < _EXACT * surface.radius[before]
+    alike |= other[some] < 0
+    good = np.bincount(of, alike) == parts[wide[first] - len(table.wide)]
+    order = np.argsort(of, kind="stable")
+    begin = np.searchsorted(of[order], np.arange(len(first)))
+    middle = order[begin + np.bincount(of) // 2]
+    found, gone = every.copy(), np.zeros(len(every), bool)
+    gone[some[good[of]]] = True
+    kept = some[first[good]]
+    gone[kept] = False
+    found["facet"][kept], found["other"][kept] = wide[first[good]], other[some[middle[good]]]
+    return found[~gone]
+
+
+def parted(table: Table, every: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Candidates with the facets of wide ones in their place, and the number that each had."""
+    count = len(table.wide)
+    facets = np.flatnonzero(table.wide >= 0)
+    facets = facets[np.argsort(table.wide[facets], kind="stable")]
+    begin = np.searchsorted(table.wide[facets], np.arange(count, len(table.every.x) + 1))
+    wide = every["facet"] - count
+    parts = np.where(wide < 0, 1, np.diff(begin, append=begin[-1])[np.maximum(wide, 0)])
+    row = np.repeat(np.arange(len(every)), parts)
+    found = every[row]
+    inside = np.arange(len(row)) - np.repeat(np.cumsum(parts) - parts, parts)
+    some = wide[row] >= 0
+    found["facet"][some] = facets[begin[wide[row[some]]] + inside[some]]
+    return found, row
+
+
+def moving_of(table: Table, every: np.ndarray, travel: float, moving: np.ndarray) -> np.ndarray:
+    """Facets that are to be moved for some candidates, of those that may be; rigid ones last.
+
+    Near those next to others are all that may become so: bodies move by `travel` cells. If that is
+    inf, all may.
+    """
+    surface, marks = table.surface, np.full(len(table.wide), travel == np.inf)
+    near = every["other"][every["other"] >= 0]
+    for _ in range(0 if marks.all() else 1 + int(np.ceil(2.0 * travel / _RING))):
+        marks[near] = True
+        first, count = surface.start[near], np.diff(surface.start)[near]
+        row = np.repeat(first - np.cumsum(count) + count, count) + np.arange(count.sum())
+        more = np.unique(surface.beside[row])
+        near = more[~marks[more]]
+    marks[near] = True
+    marks[every["facet"][every["facet"] < len(marks)]] = True
+    wide = np.unique(every["facet"][every["facet"] >= len(marks)])
+    found = np.concatenate([moving[marks[moving]], wide])
+    return found[np.argsort(table.every.cell[found] < 0, kind="stable")]
