@@ -45,7 +45,7 @@ def tank(rng):
         "particles-per-cell": [rng.choice((2, 2, 3)) if D == 2 else 2] * D,
         "affine": rng.random() < 0.5,
         "volumetric": rng.choice(("pointwise", "mean")),
-        "relaxation": rng.choice((0.0, 0.0, 0.1)) / depth**0.5,
+        "pic-damping": rng.choice((0.0, 0.0, 0.1)) / depth**0.5,
     }
     law = {"model": rng.choice(("newtonian", "newtonian", "bingham")), "density": 1.0}
     law |= {"bulk": 100.0 * depth, "shear-viscosity": rng.choice((0.0, 0.01, 0.1)) * depth}

@@ -164,6 +164,7 @@ def test_the_resolved_case_reads_like_one_written_by_hand():
         "    velocity: [0.0]\n"
         "    formulation: updated-lagrangian\n"
         "    mass: null\n"
+        "    volumetric: null\n"
         "gravity: null\n"
         "body-force: null\n"
         "water: null\n"

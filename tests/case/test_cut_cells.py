@@ -42,7 +42,7 @@ def test_what_the_key_means(case, expected):
 def test_mean_dilatation_needs_whole_cells(low, exact):
     case = scene(2, box([low, 2.0], [3.0, 4.0]) | INITIAL)
     assert exact_surfaces(Case.model_validate(case)) == [False]
-    case["method"]["volumetric"] = "mean"
+    case["method"]["volumetric"] = "b-bar"
     assert exact_surfaces(Case.model_validate(case)) == [exact]
 
 

@@ -55,7 +55,7 @@ ASKED = {
     f.no_boxes: {"method.shape": "mpm"},
     f.not_separable: {"method.shape": "cpdi-corners"},
     f.initial_volume: {"method.volume": "initial"},
-    f.mean: {"method.volumetric": "mean"},
+    f.mean: {"method.volumetric": "b-bar"},
     f.one_particle: {"method.particles-per-cell": [1, 1]},
     f.initial: INITIAL,
     f.averaged: {**INITIAL, B + "mass": "averaged"},

@@ -98,7 +98,7 @@ def test_relaxed_external_work_is_force_times_velocity(wall_kind):
         grip = {"body": "body", "region": region, "velocity": [0.2, -0.1]}
         pushed = {"constraints": {"grip": grip}, "boundaries": {"y-max": "slip"}}
     case = scene(2, box([0.0, 1.0], [4.0, 3.0]), cells=[6, 4], end=0.5, **pushed)
-    case["method"]["relaxation"] = 20.0
+    case["method"]["pic-damping"] = 20.0
     sim = start(case)
     sim.diagnostics()
     line = finish(sim).diagnostics()

@@ -65,6 +65,7 @@ GO_ON = {
         "surface_round",
         "mixed_rings",
         "mixed_round",
+        "mixed_flows",
         "initial_lattice",
         "averaged_lattice",
         "averaged_contact",

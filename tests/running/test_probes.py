@@ -138,7 +138,7 @@ def test_the_floor_bears_the_weight_of_a_block():
         gravity=[0.0, -0.5],
         boundaries={"y-min": "slip"},
     )
-    case["method"]["relaxation"] = 4.0
+    case["method"]["pic-damping"] = 4.0
     sim = start(case)
     sim.diagnostics()
     while sim.time < 19.0:
@@ -162,7 +162,7 @@ def test_a_constraint_bears_the_weight_that_hangs_from_it():
         gravity=[0.0, -0.5],
         constraints={"top": {"body": "body", "region": held, "velocity": [0.0, 0.0]}},
     )
-    case["method"]["relaxation"] = 4.0
+    case["method"]["pic-damping"] = 4.0
     sim = start(case)
     sim.diagnostics()
     while sim.time < 19.0:

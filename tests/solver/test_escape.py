@@ -22,7 +22,7 @@ AXES = "xyz"
 def leaving(dimension, ways):
     """A stretched block, on its way out of a corner."""
     body = box([4.0] * dimension, [7.0] * dimension, [5.0] * dimension)
-    case = scene(dimension, body, cells=[9] * dimension, end=0.8, step=0.02, escape=ways)
+    case = scene(dimension, body, cells=[9] * dimension, end=0.8, step=0.02, outflow=ways)
     sim = start(case)
     sim.particles.F[:] *= 1.05
     return sim

@@ -109,7 +109,7 @@ def test_a_skin_that_its_body_leaves_does_not_jump(material):
         cells=[8, 6], end=0.6, step={"courant": 0.05}, gravity=[0.0, -40.0],
         constraints={"clamp": clamp | {"velocity": [0.0, 0.0]}}, materials={"soft": model},
     )  # fmt: skip
-    case["method"]["volumetric"] = "mean"
+    case["method"]["volumetric"] = "b-bar"
     case["time"]["stages"] = [
         {"name": "skinned", "end": 0.7, "remove": ["thick"], "constraints": {"clamp": None}}
     ]

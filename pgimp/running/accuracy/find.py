@@ -93,7 +93,7 @@ def of_history(case: Case, history: Array, edited: Collection[str] = ()) -> Iter
         most = np.max(np.nan_to_num(past), axis=0)[mass > 0.0] / mass[mass > 0.0]
         yield Indicator("walls", float(most.max()))
     for name in names:
-        if carried := re.fullmatch(r"volume\.(.*)\.carried", name):
+        if carried := re.fullmatch(r"volume\.(.*)\.particles", name):
             fills, holds = history[f"volume.{carried[1]}"], history[name]
             known = np.isfinite(fills) & (np.nan_to_num(holds) > 0.0)
             if known.any():

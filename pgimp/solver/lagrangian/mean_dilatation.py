@@ -55,6 +55,7 @@ class MeanDilatation(StepPart):
         self.scene, self.comm = scene, comm
         self.cells = self.roots = np.zeros(0, np.int64)
         self._rows = np.zeros(0, np.int32)
+        self._order: Order  # of the step's particles
         #: Those of the stage before, until the stage has its own.
         self._before = (before.cells, before.roots) if before else None
         self._field: Field | None = None
@@ -108,6 +109,7 @@ class MeanDilatation(StepPart):
 
     def begin(self, rank: RankState, order: Order, done: int) -> None:
         """Find the mean stresses that the forces take; collective."""
+        self._order = self._particles(rank)
         groups, p = self._located(rank), rank.population.columns
         rows, normal = groups.rows, 3 if p.F.shape[1] > 4 else 2
         mean = p.sigma[rows, 0] + p.sigma[rows, 1]
@@ -128,7 +130,7 @@ class MeanDilatation(StepPart):
         found = p._replace(x=self._apart, F=p.cell_F)
         setting = scene.setting_lagrangian if scene.settings.mixed else scene.setting
         args = setting, scene.domain.frame, rank.grid.motion_field, found
-        rank.call(place_particles, *args, self._particles(rank))
+        rank.call(place_particles, *args, self._order)
         self._average(rank, p.cell_F)
         return forcing
 
@@ -151,7 +153,7 @@ class MeanDilatation(StepPart):
 
     def _located(self, rank: RankState) -> CellGroups:
         """The rank's groups; collective when planes or window have changed."""
-        moved, rows = self._field is not rank.grid.field, self._particles(rank).rows
+        moved, rows = self._field is not rank.grid.field, self._order.rows
         if not moved and (self._rows is rows or np.array_equal(self._rows, rows)):
             return self._groups
         cells = self._numbers(rank, rows)

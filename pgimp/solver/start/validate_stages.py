@@ -16,7 +16,7 @@ from pgimp.solver.rank import Rank
 from pgimp.solver.time.stability import require_stable, stability_warning, stable_courant
 
 #: Columns of the history that are zero in stages without them; other columns are nan.
-_SUMS = ("removed.", "added.", "escaped.", "stages.", "damped-")
+_SUMS = ("removed.", "added.", "outflow.", "stages.", "damped-")
 
 
 def look_ahead(scenes: Sequence[Scene]) -> list[str]:

@@ -12,6 +12,13 @@ SOFT = {"model": "neo-hookean", "young": 100.0, "poisson": 0.3, "density": 1.0}
 #: Of the soft solid, and of what is four times as stiff.
 SPEED = 10.0
 FLOOR = {"y-min": {"unilateral": {"friction": 0.2}}}
+#: What flows, where some bodies are in the current configuration.
+LOOSE = {
+    "water": {"model": "newtonian", "bulk": 100.0, "density": 1.0, "shear-viscosity": 1e-3},
+    "sand": SOFT | {
+        "model": "drucker-prager", "cohesion": 0.0, "friction-angle": 30.0, "dilation-angle": 0.0,
+    },
+}  # fmt: skip
 #: Boundaries of each kind, and what its case has besides.
 KINDS = {
     "free": ({}, {}),
@@ -21,6 +28,8 @@ KINDS = {
     "round": (dict.fromkeys(("x-min", "x-max", "y-min", "y-max"), "periodic"), {}),
     "mirror": (FLOOR | {"x-min": "slip"}, {}),
     "mixed": (FLOOR, {"mixed": True}),
+    "mixed rings": (FLOOR, {"mixed": True, "geometry": "axisymmetric"}),
+    "mixed seam": (FLOOR | {"x-min": "periodic", "x-max": "periodic"}, {"mixed": True}),
     "space": ({"z-min": "unilateral"}, {"dimensions": 3}),
     "space seam": (
         {"z-min": "unilateral", "y-min": "periodic", "y-max": "periodic"}, {"dimensions": 3},
@@ -46,6 +55,8 @@ def make(rng, kind):
     if more.get("mixed"):
         for name in soft[1 : 1 + max(1, len(soft) // 2)]:
             del bodies[name]["formulation"]
+            if not rings and rng.random() < 0.4:
+                bodies[name]["material"] = rng.choice([*LOOSE])
     fast = 0.08 * rng.choice((1.0, 2.0, 4.0)) * SPEED
     middle = [a + 0.5 * s for a, s in zip(origin, size, strict=True)]
     for name, body in bodies.items():
@@ -70,16 +81,17 @@ def make(rng, kind):
         "history": {"every": {"steps": rng.randint(1, 9)}},
         "checkpoint": {"every": {"steps": rng.randint(3, 15)}, "keep": 4},
     }  # fmt: skip
-    if "mixed" not in more:
-        names = ["contact-pressure", "traction", "gap", "slip", "wear-work"]
-        case["output"]["surface"] = rng.sample(names, rng.randint(1, 5))
+    names = ["contact-pressure", "traction", "gap", "slip", "wear-work"]
+    case["output"]["surface"] = rng.sample(names, rng.randint(1, 5))
+    if more.get("mixed") and not rings:
+        case["materials"] |= LOOSE
     if rings:
         case["geometry"] = "axisymmetric"
     if rng.random() < 0.4 and kind not in ("free", "round"):
         case["gravity"] = [0.0] * (D - 1) + [-number(rng, 0.5, 3.0)]
     if rng.random() < 0.25:
         case["output"]["every"] = {"steps": rng.randint(2, 9)}
-    if rng.random() < 0.25 and "mixed" not in more:
+    if rng.random() < 0.25:
         _stage(rng, case, soft, end)
     return case
 
@@ -197,14 +209,13 @@ def _laws(rng, bodies, more):
     rigid = [name for name, body in bodies.items() if "rigid" in body]
     soft = [name for name in bodies if name not in rigid]
     laws = [law]
-    if "mixed" not in more:
-        if rng.random() < 0.3:
-            law["self"] = True
-        if len(rigid) > 1 and rng.random() < 0.7:
-            laws.append({"bodies": rigid, "restitution": number(rng, 0.0, 1.0), "friction": 0.1})
-        if len(soft) > 1 and rng.random() < 0.2:
-            other = rng.choice(({"law": "ignore"}, {"law": "tie"}, {"friction": 0.9}))
-            laws.append({"bodies": soft[:2], **other})
+    if rng.random() < 0.3:
+        law["self"] = True
+    if len(rigid) > 1 and rng.random() < 0.7 and "mixed" not in more:
+        laws.append({"bodies": rigid, "restitution": number(rng, 0.0, 1.0), "friction": 0.1})
+    if len(soft) > 1 and rng.random() < 0.2:
+        ways = {"law": "ignore"}, {"friction": 0.9}, {"law": "tie"}
+        laws.append({"bodies": soft[:2], **rng.choice(ways[: 2 if "mixed" in more else 3])})
     return laws
 
 

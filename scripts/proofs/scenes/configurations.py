@@ -272,7 +272,7 @@ def periodic(rng, scene):
 
 def relaxation(rng, scene):
     """Particles' velocities relax towards the grid's."""
-    scene.case["method"]["relaxation"] = number(rng, 0.5, 20.0)
+    scene.case["method"]["pic-damping"] = number(rng, 0.5, 20.0)
 
 
 def splines(rng, scene):

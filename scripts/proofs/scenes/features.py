@@ -228,7 +228,7 @@ FEATURES = (
     Feature("rings", rings, 0.3, compiled=True),
     Feature("mirrors", of_method((*BOXES, "cpdi-corners"), wall="mirror"), 0.4, compiled=True),
     Feature("affine", of_method(affine=True), 0.35, compiled=True),
-    Feature("mean dilatation", of_method(BOXES, volumetric="mean"), 0.35, compiled=True),
+    Feature("mean dilatation", of_method(BOXES, volumetric="b-bar"), 0.35, compiled=True),
     Feature("relaxation", relaxation, 0.15, compiled=True),
     Feature("materials", materials),
     Feature("memory", memory, 0.2, compiled=True),

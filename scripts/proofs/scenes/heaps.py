@@ -57,7 +57,7 @@ def sand(rng):
     names = [*case["bodies"]]
     for name in rng.sample(names, soil):
         case["bodies"][name]["material"] = "sand"
-    case["method"]["relaxation"] = "auto"
+    case["method"]["pic-damping"] = "auto"
     return case
 
 

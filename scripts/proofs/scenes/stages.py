@@ -198,8 +198,8 @@ def writing(rng, scene, now, stage):
 
 def damping(rng, scene, now, stage):
     """Velocities relax otherwise; a scene without that has other kernels."""
-    if "relaxation" in scene.case["method"]:
-        stage["method"] = {"relaxation": number(rng, 0.5, 20.0)}
+    if "pic-damping" in scene.case["method"]:
+        stage["method"] = {"pic-damping": number(rng, 0.5, 20.0)}
 
 
 def friction(rng, scene, now, stage):

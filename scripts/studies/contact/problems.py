@@ -94,7 +94,7 @@ def corner(cell):
         "above": (box([0.0, side], [side, 2.0 * side]), [0.0, 0.0]),
     }
     case = motion.case_of(
-        bodies, [6.0, 6.0], cell, 12.0, motion.SOLID | {"young": 1e3}, method={"relaxation": 1.0},
+        bodies, [6.0, 6.0], cell, 12.0, motion.SOLID | {"young": 1e3}, method={"pic-damping": 1.0},
         gravity={"table": [[0.0, [0.0, 0.0]], [ramp, [-a for a in g]]]},
         boundaries={"x-min": "unilateral", "y-min": "unilateral"},
         contact=[{"bodies": [*pair]} for pair in combinations(bodies, 2)],

@@ -120,7 +120,7 @@ def floating(method, dimensions, wide=4.0):
     case["bodies"]["water"]["region"] = {"difference": [box([0.0, 0.0], [across, depth]), block]}
     case["bodies"]["block"] = {"rigid": {"density": 0.5}, "region": block}
     case["contact"] = [{"bodies": ["water", "block"]}]
-    case["method"]["relaxation"] = 0.1
+    case["method"]["pic-damping"] = 0.1
     water, unit = across * depth - 0.25 * wide * wide, depth**0.5
 
     def look(sim):

@@ -27,7 +27,7 @@ def courant_job(method, dimension, per_cell, quick):
     shape, *words = method.split(", ")
     entry = {"shape": shape, "affine": "affine" in words}
     if "mean" in words:
-        entry["volumetric"] = "mean"
+        entry["volumetric"] = "b-bar"
     poisson = next((float(word) for word in words if word.startswith("0.")), 0.3)
     both = limits(entry, dimension, per_cell, steps, 0.05 if quick else 0.01, poisson)
     return {

@@ -10,7 +10,7 @@ from pgimp.solver.decomposition import open_window
 OFFSETS = (0.0, 0.13, 0.29, 0.5)
 #: Poisson's ratio and cells over the height.
 KINDS = ((0.3, 8), (0.499, 4), (0.499, 8), (0.4999, 8))
-_MEAN = {"method.volumetric": "mean"}
+_MEAN = {"method.volumetric": "b-bar"}
 _INITIAL = {"bodies.beam.formulation": "initial"}
 METHODS = {
     "gimp": {"method.shape": "gimp"},

@@ -249,7 +249,7 @@ def speed(D, kind, rounds=15, steps=12):
             pace = 0.05 * 0.3 * case["grid"]["cell"][0] / dt
             body["velocity"] = [pace] * D
         if kind == "mean":
-            case["method"]["volumetric"] = "mean"
+            case["method"]["volumetric"] = "b-bar"
         if kind == "metal":
             (law,) = case["materials"].values()
             law |= {"model": "von-mises", "yield-stress": 0.01 * law["young"]}

@@ -8,7 +8,7 @@ from studies.scenes import ball, box, case_of, core
 
 from pgimp.jit.bound import Bound
 from pgimp.kernels.data.motion import DISPLACEMENT
-from pgimp.solver.contact.surfaces.smooth import Smoothed, smooth
+from pgimp.solver.contact.surfaces.loads import Smoothed, smooth
 
 
 def shifted(sim, beyond, way):

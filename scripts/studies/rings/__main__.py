@@ -131,7 +131,7 @@ def main():
     print(f"Measured on one core of {origin()}.\n")
     bore, error = tube()
     print(f"tube: displacement at the bore {bore:.4f} mm, mean error of the hoop {error:.2%}")
-    for volumetric in ("mean", "pointwise"):
+    for volumetric in ("b-bar", "pointwise"):
         for space in (False, True):
             length, strain, work, seconds = bar(space, volumetric)
             kind = "a quarter in 3D" if space else "rings"

@@ -53,7 +53,7 @@ def test_what_lies_on_a_wall_lies_there():
     body = box([1.0, 0.0], [5.0, 3.0])
     case = scene(2, body, end=30.0, step={"courant": 0.3}, gravity=[0.0, -0.02],
                  boundaries={"y-min": "unilateral"})  # fmt: skip
-    case["method"]["relaxation"] = 0.5
+    case["method"]["pic-damping"] = 0.5
     sim = start(case)
     height, force = tracked(sim, "body.body.centre-y", "reaction.y-min-y")
     assert force[-200:].mean() == pytest.approx(12.0 * 0.02, rel=0.01)

@@ -92,21 +92,21 @@ def test_a_case_names_what_is_unknown():
         "function": "pull", "parameters": {"strength": 1.0, "direction": (1.0, 0.0)}
     }  # fmt: skip
     text = refused(body_force=entry | {"function": "pul"})
-    assert "body-force.function: unknown body force 'pul'; did you mean 'pull'?" in text
+    assert "body_force.function: unknown body force 'pul'; did you mean 'pull'?" in text
     assert "--import FILE.py" in text
     text = refused(body_force=entry | {"function": "sqrt-of"})
     assert f"expected a body force, but this is the coefficient 'sqrt-of' ({__file__}:" in text
     text = refused(body_force={"function": "pull"})
-    assert "body-force.parameters: missing; the body force 'pull' (" in text
+    assert "body_force.parameters: missing; the body force 'pull' (" in text
     assert ") needs strength" in text
     entry["parameters"] = {"direction": [0.0, 1.0]}
     text = refused(body_force=entry)
-    assert "body-force.parameters.strength: missing; the body force 'pull' (" in text
+    assert "body_force.parameters.strength: missing; the body force 'pull' (" in text
     entry["parameters"] = {"strength": 1.0}
     text = refused(body_force=entry | {"parameters": {"strengt": 1.0}})
-    assert "body-force.parameters.strengt: unknown parameter 'strengt'" in text
+    assert "body_force.parameters.strengt: unknown parameter 'strengt'" in text
     text = refused(body_force=entry | {"parameters": {"strength": "large"}})
-    assert "body-force.parameters.strength: expected a number or a list of them" in text
+    assert "body_force.parameters.strength: expected a number or a list of them" in text
     text = refused(body_force="function")
     assert "expected {function: .., parameters: {..}}" in text
     text = refused(gravity=[0.0, {"function": "pull"}])

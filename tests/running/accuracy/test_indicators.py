@@ -131,6 +131,18 @@ def test_stress_that_varies_within_cells(stress, least, most):
     assert np.isnan(found.stretch)
 
 
+def test_volume_that_a_grid_does_not_hold_is_told(run):
+    """Of a liquid that sinks into itself its particles hold more than the grid that they fill."""
+    history = np.array(run.history)
+    found = np.zeros(len(history), [(name, float) for name in history.dtype.names]
+                     + [("volume.water", float), ("volume.water.particles", float)])  # fmt: skip
+    for name in history.dtype.names:
+        found[name] = history[name]
+    found["volume.water"], found["volume.water.particles"] = 0.9, 1.0
+    (one,) = (one for one in of_history(run.case, found) if one.name == "volume")
+    assert one.value == pytest.approx(0.1) and one.where == "water"
+
+
 def test_stretches_from_deformation_and_from_strain_are_the_same():
     """Stretched by 1.6 along x, turned by 30 degrees."""
     turn = np.array([[np.cos(0.5), -np.sin(0.5), 0], [np.sin(0.5), np.cos(0.5), 0], [0, 0, 1]])

@@ -140,7 +140,7 @@ def test_force_of_a_pair_is_on_the_first_body():
     for names, sign in ((["lower", "upper"], -1.0), (["upper", "lower"], 1.0)):
         case = scene(2, bodies, end=20.0, step=0.02, gravity=[0.0, -0.2],
                      boundaries={"y-min": "fixed"}, contact=[{"bodies": names}])  # fmt: skip
-        case["method"]["relaxation"] = 3.0
+        case["method"]["pic-damping"] = 3.0
         sim = start(case)
         sim.diagnostics()
         force = finish(sim).diagnostics()[f"contact.{'+'.join(names)}-y"]

@@ -181,7 +181,7 @@ def test_distant_rigid_bodies_leave_others_as_they_are():
 def test_what_relaxation_takes_is_booked(law):
     """The ram's impulse is the block's momentum, also where velocities relax to the grid's."""
     case = struck(2, {"law": law}, velocity=[1.0, 0.5])
-    case["method"]["relaxation"] = 5.0
+    case["method"]["pic-damping"] = 5.0
     total, line = impulses(start(case), "ram")
     momentum = np.array([line["momentum-x"], line["momentum-y"]])
     assert total[:2] == pytest.approx(-momentum, abs=1e-12 * np.abs(momentum).max())

@@ -27,7 +27,7 @@ def infinite(factor, dilation, model):
         gravity=[WEIGHT * sin(SLOPE), -WEIGHT * cos(SLOPE)],
         boundaries={"x-min": "periodic", "x-max": "periodic", "y-min": "fixed"},
     )  # fmt: skip
-    case["method"]["volumetric"] = "mean"
+    case["method"]["volumetric"] = "b-bar"
     weak = {"name": "weak", "strength": {"factor": factor}, "equilibrate": rest | {"steps": 2000}}
     case["time"]["stages"] = [weak]
     return case

@@ -49,7 +49,9 @@ def test_a_stretched_body_is_named_once():
     assert said(sim, b=1.4) == []
     assert said(sim, 10, b=1.7) == []  # too soon for another look
     (text,) = said(sim, 40, b=1.7)
-    mentions(text, "'b'", "0.85 cells apart", "1.7", "gimp and 2 particles", "cpdi", "initial")
+    mentions(
+        text, "'b'", "0.85 cells apart", "1.7", "gimp and 2 particles", "cpdi", "total-lagrangian"
+    )
     assert said(sim, 50, b=1.8, a=(1.7, 0.001)) == []
 
 

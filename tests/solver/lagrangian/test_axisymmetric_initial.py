@@ -192,7 +192,7 @@ def wandering(dt):
                     for side in ("x-max", "y-max")
                 },
             ),
-            {"method.volumetric": "mean", "time.step": dt, "time.end": 0.6},
+            {"method.volumetric": "b-bar", "time.step": dt, "time.end": 0.6},
         )
     )  # fmt: skip
     motion, strain = [], []

@@ -21,7 +21,7 @@ def cut_body(D, region, poisson, **parts):
     body = {"material": "soft", "region": region, "formulation": "total-lagrangian"}
     body |= {"velocity": velocity} if velocity else {}
     case = scene(D, body, materials={"soft": SOFT | {"poisson": poisson}}, **parts)
-    case["method"]["volumetric"] = "mean"
+    case["method"]["volumetric"] = "b-bar"
     return case
 
 
@@ -118,7 +118,7 @@ def test_forces_are_those_of_a_potential(D):
         "crumb": body | {"region": box([5.25] * D, 0.5)},
     }
     case = scene(D, bodies, materials={"soft": SOFT | {"poisson": poisson}}, step=dt, end=1.0)
-    case["method"]["volumetric"] = "mean"
+    case["method"]["volumetric"] = "b-bar"
     sim = start(case)
     rank, ghost = sim.rank, sim.scene.domain.frame.ghost
     slaves, rng = rank.slaves, np.random.default_rng(3)

@@ -75,7 +75,7 @@ def remade(case, **materials):
     """The case with other materials by name, and `volumetric: b-bar` if that is asked for."""
     case = deepcopy(case)
     if materials.pop("mean", False):
-        case["method"]["volumetric"] = "mean"
+        case["method"]["volumetric"] = "b-bar"
     case["materials"] |= materials
     return case
 

@@ -158,7 +158,7 @@ def test_a_stage_ends_the_last_press(tmp_path):
     case = bar(
         press([8.0], [12.0], 2.0), end=0.2, damping={"mass": 1.0}, gravity=[-1.0],
         tractions={"push": {"body": "body", "face": "x-min", "traction": [1.0]}},
-        boundaries={"x-min": "fixed"}, escape={"x-max": "remove"}, output={"every": 0.1},
+        boundaries={"x-min": "fixed"}, outflow={"x-max": "remove"}, output={"every": 0.1},
     )  # fmt: skip
     ended = {name: {key: None for key in case[name]}
              for name in ("constraints", "tractions", "boundaries", "outflow")}  # fmt: skip

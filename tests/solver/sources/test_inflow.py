@@ -69,7 +69,7 @@ def test_it_enters_from_either_side_and_within_the_domain(low, velocity):
 
 def test_what_leaves_again_needs_no_memory():
     """A stream for ever begins, as it leaves: at most two full domains are counted."""
-    case = stream(escape={"x-max": "remove"}, end=1e9, step={"courant": 0.3})
+    case = stream(outflow={"x-max": "remove"}, end=1e9, step={"courant": 0.3})
     sim = start(case)
     for _ in range(600):
         sim.advance()

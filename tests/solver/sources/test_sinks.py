@@ -40,7 +40,7 @@ def sums(p, rows):
 @pytest.mark.parametrize("dimension", [1, 2, wide(3)])
 def test_what_is_inside_when_a_step_ends_is_taken_out_and_booked(dimension):
     """Exactly these particles, in each step: the block flies as if nothing happened."""
-    case = flying(dimension, escape={"drain": {"region": REGIONS[dimension]}})
+    case = flying(dimension, outflow={"drain": {"region": REGIONS[dimension]}})
     sim, free = start(case), start(flying(dimension))
     region = sim.case.outflow["drain"].region
     names = ("mass", "momentum-x", "kinetic-energy")
@@ -55,7 +55,7 @@ def test_what_is_inside_when_a_step_ends_is_taken_out_and_booked(dimension):
         assert there == set(range(sim.count)) - left
         line = sim.diagnostics()
         gone = begun - sums(sim.particles, sim.live())
-        booked = [line[f"escaped.{name}"] for name in names]
+        booked = [line[f"outflow.{name}"] for name in names]
         assert booked == pytest.approx(gone, abs=1e-12)
         assert line["dissipated-energy"] == pytest.approx(0.0, abs=1e-12)
     part = {1: 1.0, 2: 0.5, 3: 1.0}[dimension]  # of the section
@@ -83,15 +83,15 @@ def test_bodies_in_the_initial_configuration_stay_what_they_are():
         "stays": box([2.0, 1.0], [4.0, 2.0], [SPEED, 0.0]) | {"formulation": "total-lagrangian"},
         "goes": box([2.0, 2.5], [4.0, 3.5], [SPEED, 0.0]),
     }
-    case = flying(2, escape={"drain": {"region": REGIONS[2]}}, contact=[{"bodies": "all"}])
+    case = flying(2, outflow={"drain": {"region": REGIONS[2]}}, contact=[{"bodies": "all"}])
     line = finish(start(case | {"bodies": bodies})).diagnostics()
     assert line["body.stays.mass"] == 2.0 and line["outflow.mass"] == 1.0
     assert line["body.goes.mass"] + line["outflow.mass"] == pytest.approx(2.0, rel=1e-14)
 
 
 def test_a_scene_without_sinks_has_none_and_the_log_names_those_that_there_are(tmp_path):
-    assert start(flying(1, escape={"x-max": "remove"})).rank.sinks is None
-    case = flying(1, escape={"drain": {"region": REGIONS[1]}})
+    assert start(flying(1, outflow={"x-max": "remove"})).rank.sinks is None
+    case = flying(1, outflow={"drain": {"region": REGIONS[1]}})
     run = pgimp.run(pgimp.load(case), Serial(), tmp_path / "out", quiet=True)
     assert "4 of 4 particles left through drain" in (run.path / "log.txt").read_text()
     resolved = pgimp.load(run.path / "case.yaml")

@@ -87,7 +87,7 @@ def test_without_loads_there_is_nothing_to_settle():
 
 def test_no_rest_ends_the_run_with_what_to_do():
     case = column("current")
-    case["start"]["settle"]["steps"] = 20
+    case["start"]["equilibrate"]["steps"] = 20
     with pytest.raises(
         RunError, match=r"start\.equilibrate: no rest after 20 steps: .* not 0\.0001"
     ):

@@ -56,7 +56,7 @@ def scene(dimension, body, *, cells=None, cell=1.0, shape="gimp", per_cell=2, **
         "time": time,
         "materials": {"soft": {**(BAR if dimension == 1 else SOFT)}},
         "bodies": {"body": body} if "region" in body else body,
-        **parts,
+        **{key.replace("_", "-"): part for key, part in parts.items()},
     }
 
 

@@ -141,7 +141,7 @@ MISTAKES = [
     ("step: 0.001", "step: {courant: 1.5}", "9: time.step.courant", "must be at most 1, got 1.5"),
     ("step: 0.001", "step: {courant: 0}", "9: time.step.courant", "must be above 0, got 0"),
     ("step: 0.001", "step: {courant: most}", "9: time.step.courant", "'most'; known: auto"),
-    ("step: 0.001", "step: auto", "9: time.step", "{courant: 0.3}, got the text 'auto'"),
+    ("step: 0.001", "step: most", "9: time.step", "{courant: 0.3}, got the text 'most'"),
     ("step: 0.001", "step: 0.0", "9: time.step", "must be above 0, got 0"),
     ("step: 0.001", "step: 1e-300", "9: time.step", "1e+300 steps are too many"),
     ("end: 1.0", "end: 1.0004", "8: time.end", "(1000.4 steps); the nearest is 1"),

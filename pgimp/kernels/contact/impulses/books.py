@@ -6,14 +6,13 @@ and constraints bear their share, as for all forces there.
 
 from pgimp.jit.kernel import inlined, inner_kernel, kernel
 from pgimp.kernels.contact.books import book, book_rigid_bodies, losses_of
+from pgimp.kernels.contact.impulses.coupling import velocity_before
 from pgimp.kernels.contact.impulses.gauss_seidel import impulse_of, load_pair
-from pgimp.kernels.contact.impulses.reference_grid import (
-    OF_VELOCITY_BEFORE,
-    key_bits,
-    offset_of_key,
-)
+from pgimp.kernels.contact.impulses.reference_grid import key_bits, offset_of_key
+from pgimp.kernels.contact.impulses.rigid_ends import is_free
 from pgimp.kernels.data.ledger import (
     CONTACT_AREA,
+    LOSS,
     MOMENT,
     PLACED,
     PLACES,
@@ -25,7 +24,6 @@ from pgimp.kernels.data.record import ACCELERATION, MASS, RECORD, VELOCITY
 from pgimp.kernels.data.velocity_fields import field_count
 from pgimp.kernels.grid.conditions import Holding, hold
 from pgimp.kernels.loads.prescribed import add_moment, place_of
-from pgimp.kernels.rigid.bodies import move_freely
 
 
 @inner_kernel
@@ -80,19 +78,24 @@ def _book_areas(contact_pairs, walls, ledger):
 
 
 @inlined
-def _load_before(contact, rigid_bodies, end, coupling, values):
-    """Load the velocities before the step of a pair's ends that are no rigid bodies."""
-    if not move_freely(rigid_bodies):
-        return None
+def _load_before(contact, end, rigid, coupling, values):
+    """Load the velocities before the step of a pair's ends; of rigid ones that in it.
+
+    Returns half of what the velocity apart along the normal has changed by, times the impulse:
+    what losses by the velocity after the step lack of those by the mean one. There is none with a
+    free rigid body, see `book_rigid_bodies`.
+    """
+    row, changed, free = contact.pair_states[0], 0.0, False
     for a in range(2):
-        field = contact.fields[a]
+        field, sign = contact.fields[a], 2.0 * a - 1.0
+        before = (rigid[a, 0], rigid[a, 1], rigid[a, 2])
+        if end.rows[a] >= 0:
+            before = velocity_before(coupling, end.rows[a], values)
+        free = free or is_free(contact.rigid_bodies, end.rows[a])
         for d in range(3):
-            field.velocity_before[d] = 0.0
-        r = max(end.rows[a], 0)
-        for k in range(coupling.start[r], coupling.start[r + 1] if end.rows[a] >= 0 else 0):
-            for d in range(3):
-                before = values[coupling.column[k], OF_VELOCITY_BEFORE + d]
-                field.velocity_before[d] += coupling.entry[k, 0] * before
+            field.velocity_before[d] = before[d]
+            changed += sign * row.normal[d] * (field.velocity[d] - before[d])
+    return 0.0 if free else 0.5 * row.normal_impulse * changed
 
 
 @kernel
@@ -111,6 +114,7 @@ def book_contacts(contact, free, contact_pairs, coupling, solved, values, walls,
         end, row = contact_pairs.ends[k], contact_pairs.states[k]
         wall = _wall_of(end, walls)
         load_pair(contact, contact_pairs, k, coupling, solved)
+        rest = _load_before(contact, end, contact_pairs.rigid[k], coupling, values)
         if wall >= 0:
             sign = -1.0 if end.bodies[0] < end.bodies[1] else 1.0
             face, fields = walls.planes[wall].face, contact.fields
@@ -119,15 +123,15 @@ def book_contacts(contact, free, contact_pairs, coupling, solved, values, walls,
             u = (fields[0].velocity[0], fields[0].velocity[1], fields[0].velocity[2])
             v = (fields[1].velocity[0], fields[1].velocity[1], fields[1].velocity[2])
             heat, loss = losses_of(row, u, v)
-            loss += book_rigid_bodies(
+            loss += rest + book_rigid_bodies(
                 contact, contact.rigid_bodies, contact_pairs.rigid[k, 2], 0, 1.0, (u, v), ledger, 0
             )
             ledger.wall_energy[0, face, WALL_HEAT] += heat
             ledger.wall_energy[0, face, WALL_LOSS] += loss
             continue
         place = contact_pairs.rigid[k, 2]
-        _load_before(contact, contact.rigid_bodies, end, coupling, values)
         book(contact, free, ((0, 0, 0), place), 0, 1.0, True, ledger, 0)
+        ledger.contact[0, end.law - 1, LOSS] += rest
         first = PLACES * (end.law - 1)
         if first < ledger.contact_moments.shape[1]:
             _book_place(row, place, ledger.contact_moments[0, first : first + PLACES])

@@ -7,12 +7,15 @@ import numpy as np
 from pgimp.jit.kernel import inner_kernel
 from pgimp.jit.vectors.rows import load_row
 from pgimp.jit.vectors.simd import lane, vector, where
-from pgimp.kernels.contact.impulses.reference_grid import OF_INVERSE_MASS
+from pgimp.kernels.contact.impulses.reference_grid import OF_INVERSE_MASS, OF_VELOCITY_BEFORE
 from pgimp.kernels.data.particles import FloatArray, IntArray
 
 #: Least part of the squares of a row of B at free vertices. Below it the few free vertices would
 #: have to compensate for the prescribed ones at many times the speed.
 LEAST_FREE = 0.25
+
+#: Greatest component of a normal across which a patch counts as free, if any vertex is.
+_ASKEW = 0.5
 
 
 class Coupling(NamedTuple):
@@ -48,3 +51,28 @@ def set_answer(coupling, r, numbers):
     for d in range(3):
         free = lane(gives, d) >= LEAST_FREE * lane(every, d)
         coupling.answer[r, d] = lane(found, d) if free else 0.0
+
+
+@inner_kernel
+def release_across(coupling, r, numbers, normal):
+    """Restore the inverse mass of row `r` in directions nearly across the normal.
+
+    There `set_answer` takes a patch for held whose vertices are so for the most part. The other
+    half of a body, beyond a plane of symmetry, would move its free vertices all the same.
+    """
+    for d in range(3):
+        if coupling.answer[r, d] != 0.0 or abs(normal[d]) > _ASKEW:
+            continue
+        found = 0.0
+        for k in range(coupling.start[r], coupling.start[r + 1]):
+            found += coupling.entry[k, 0] ** 2 * numbers[coupling.column[k], OF_INVERSE_MASS + d]
+        coupling.answer[r, d] = found
+
+
+@inner_kernel
+def velocity_before(coupling, r, numbers):
+    """Velocity before the step at a contact vertex, by row `r` of B."""
+    v = vector(0.0)
+    for k in range(coupling.start[r], coupling.start[r + 1]):
+        v = coupling.entry[k, 0] * load_row(numbers, coupling.column[k], OF_VELOCITY_BEFORE) + v
+    return lane(v, 0), lane(v, 1), lane(v, 2)

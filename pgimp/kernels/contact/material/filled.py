@@ -24,9 +24,6 @@ _LEAST, _FACING = 0.01, 0.5
 #: see `pgimp.geometry`: 1/12 of 1/12 + 1/16.
 _MEAN = 4.0 / 7.0
 
-#: Cells on either side of a facet's in which particles may reach its tent.
-_AROUND = 2
-
 
 @inner_kernel
 def _tent(x):
@@ -69,36 +66,43 @@ def _add(frame, row, x, sums):
 
 
 @inner_kernel
+def _cells(frame, x, reach, d):
+    """First and last cell along `d` whose particles may reach a tent, given how far they do."""
+    if d >= len(frame.cell):
+        return 0, 0
+    away = (1.0 + reach) * frame.cell[d]
+    return cell_at(frame, x - away, d), cell_at(frame, x + away, d)
+
+
+@inner_kernel
 def _sum_around(frame, x, material, scratch):
     """Sum the particles around a place, by body; returns how many bodies there are.
 
     `scratch` are the sums, (bodies, SUMS), and the bodies found; `material` as of
     `find_material_gaps`.
     """
-    (table, order, start, region), (sums, bodies), count = material, scratch, 0
+    (table, order, start, reach, region), (sums, bodies), count = material, scratch, 0
     D = len(frame.cell)
     for d in range(D):
         if not isfinite(x[d]) or abs(x[d] * frame.inverse[d]) > 1e15:
             return 0
-    first, second, third = cell_at(frame, x[0], 0), cell_at(frame, x[1], 1), cell_at(frame, x[2], 2)
-    for a in range(-_AROUND, _AROUND + 1):
-        i = cell_in(region, first + a, 0)
-        away = x[0] - image(frame, region, first + a, 0)
-        for b in range(-_AROUND, _AROUND + 1):
-            if i < 0 or (D < 2 and b != 0):
+    first, second, third = (
+        _cells(frame, x[0], reach, 0), _cells(frame, x[1], reach, 1), _cells(frame, x[2], reach, 2)
+    )  # fmt: skip
+    for a in range(first[0], first[1] + 1):
+        i = cell_in(region, a, 0)
+        away = x[0] - image(frame, region, a, 0)
+        for b in range(second[0], second[1] + 1):
+            if i < 0:
                 continue
-            j = cell_in(region, second + b, 1) if D > 1 else 0
-            aside = x[1] - image(frame, region, second + b, 1)
-            for c in range(-_AROUND, _AROUND + 1):
-                if j < 0 or (D < 3 and c != 0):
-                    continue
-                k = cell_in(region, third + c, 2) if D > 2 else 0
-                if k < 0:
-                    continue
-                at = (away, aside, x[2] - image(frame, region, third + c, 2))
-                cell = region.near[i, j, k]
+            j = cell_in(region, b, 1) if D > 1 else 0
+            aside = x[1] - image(frame, region, b, 1)
+            for c in range(third[0], third[1] + 1):
+                k = cell_in(region, c, 2) if D > 2 else 0
+                cell = region.near[i, j, k] if min(j, k) >= 0 else -1
                 if cell < 0:
                     continue
+                at = (away, aside, x[2] - image(frame, region, c, 2))
                 for n in range(start[cell], start[cell + 1]):
                     row, known = table[order[n]], False
                     for m in range(count):
@@ -155,8 +159,8 @@ def find_material_gaps(frame, surface, some, material, groups, far, scratch, fou
     ----------
     some : (n,) int64
         The facets, by patch.
-    material : ((m,) MATERIAL, (m,) int64, (cells + 1,) int64, Region)
-        The particles, their order by cells, and the first of each cell in it.
+    material : ((m,) MATERIAL, (m,) int64, (cells + 1,) int64, float, Region)
+        The particles, and by cells their order, the first of each in it, and how far they reach.
     groups : (bodies,) int64
         Groups of bonded bodies, whose parts add up; -1 of bodies that facets do not meet.
     far : float

@@ -19,7 +19,7 @@ from pgimp.kernels.transfer.first_vertex import deformation, half_widths, is_axi
 
 #: A particle near facets: the centroid of its part of a box, half-widths of the box around it in
 #: cells, its volume (of rings the area of their section), the curvature's share of its gap, whether
-#: it is cut, its body, the number of the cell that it is in.
+#: it is cut, its body, the number of the cell that it is in, the greatest half-width of its box.
 MATERIAL = structure(
     ("position", "f8", 3),
     ("half", "f8", 3),
@@ -28,6 +28,7 @@ MATERIAL = structure(
     ("cut", "f8"),
     ("body", "i8"),
     ("cell", "i8"),
+    ("reach", "f8"),
 )
 
 #: Vertices beyond a cell, below and above, on which its particles may have weight.
@@ -256,7 +257,7 @@ def copy_material(setting, region, particles, rows, found) -> int:
         row, F = found[count - 1], deformation(frame, particles, p)
         own = read(particles.offset, p, 0, frame.origin)
         half = half_widths(setting.shape, frame, particles, p)
-        row.cut, row.cell = 0.0, region.near[i, j, k]
+        row.cut, row.cell, row.reach = 0.0, region.near[i, j, k], 0.0
         for d in range(3):
             row.position[d] = row.half[d] = 0.0
         for d in range(D):
@@ -265,6 +266,7 @@ def copy_material(setting, region, particles, rows, found) -> int:
                 moved += F[D * d + e] * own[e]
             x = particles.x[p, d]
             row.position[d] = x + moved - image(frame, region, cell_at(frame, x, d), d)
+            row.reach = max(row.reach, half[d])
             row.half[d] = max(half[d] - abs(moved) * frame.inverse[d], MIN_HALF_WIDTH)
             if own[d] != 0.0:
                 row.cut = 1.0
@@ -274,8 +276,10 @@ def copy_material(setting, region, particles, rows, found) -> int:
 
 
 @kernel
-def sort_material(table, start, order):
+def sort_material(table, start, order) -> float:
     """Sort particles by their cells; those of one cell stay in their order.
+
+    Returns how far they reach from their places at most, in cells.
 
     Parameters
     ----------
@@ -286,9 +290,10 @@ def sort_material(table, start, order):
     order : (n,) int64
         Set to their offsets.
     """
-    start[:] = 0
+    start[:], reach = 0, 0.0
     for n in range(len(table)):
         start[table[n].cell + 1] += 1
+        reach = max(reach, table[n].reach)
     for c in range(1, len(start)):
         start[c] += start[c - 1]
     for n in range(len(table)):
@@ -298,3 +303,4 @@ def sort_material(table, start, order):
     for c in range(len(start) - 1, 0, -1):
         start[c] = start[c - 1]
     start[0] = 0
+    return reach

@@ -138,6 +138,7 @@ def _keep(contact, frame, field, number, count, pairs, found, room):
         contact_pairs.states[found - 1] = contact.pair_states[k]
         rigid[:, :] = 0.0
         end.law, place = contact.ends[k].law, position_of(frame, number)
+        end.parted = 0.0
         for d in range(3):
             end.vertex[d], rigid[2, d] = number[d], place[d]
         for side in range(2):

@@ -1,7 +1,7 @@
 """Surfaces of bodies for the kernels of contact: facets, patches, and the grid's cells there."""
 
 from math import floor
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,12 @@ NEAR_FACET = structure(
     ("edges", "f8", (2, 3)),
     ("offset", "f8", 3),
 )
+
+
+#: What is known of a patch since the facets next to it were found: the way by which its gaps were
+#: from closing. From `PLACE` on the vector from the other body's facet to its middle one, and the
+#: deformation gradients of both, in directions of the former.
+CLEAR, PLACE, KNOWN = 0, 1, 22
 
 
 class Surface(NamedTuple):
@@ -75,6 +81,34 @@ class SurfaceCells(NamedTuple):
     column: IntArray
     weight: FloatArray  #: (k, 2^D) float64: Weights of each at the cell's vertices.
     beside: IntArray  #: (m, 6) int64: Cells below and above along each direction, or -1.
+
+
+class Patches(NamedTuple):
+    """Patches near another body, and which of them matter in a step."""
+
+    start: IntArray  #: (patches + 1,) int64: The first facet near the body of each.
+    awake: IntArray  #: (k,) int64: Numbers of those that may have a pair, ascending.
+    walks: NDArray[np.uint8]  #: (k,): 1 where facets next to them are to be found anew.
+    ways: FloatArray  #: (k,) float64: Ways by which bodies may come nearer there in a step.
+    #: (patches, KNOWN) float64: What is known of each.
+    known: FloatArray
+
+    @classmethod
+    def of(cls, surface: Surface, every: NDArray, way: float = 0.0) -> Self:
+        """The patches of facets near other bodies, by patch and body; all of them matter."""
+        patch, body = surface.patch[every["facet"]], every["body"]
+        begin = np.flatnonzero(np.diff(patch, prepend=-1) | np.diff(body, prepend=-1))
+        awake = np.arange(len(begin))
+        ways = np.full(len(begin), way)
+        known = np.zeros((len(begin), KNOWN))
+        known[:, CLEAR] = -np.inf
+        return cls(np.append(begin, len(every)), awake, np.ones(len(begin), np.uint8), ways, known)
+
+    def first(self, count: int) -> Self:
+        """With only the first ones of those that are awake."""
+        return self._replace(
+            awake=self.awake[:count], walks=self.walks[:count], ways=self.ways[:count]
+        )
 
 
 @inlined

@@ -10,8 +10,9 @@ Where no facet of a patch can be near enough for a pair, none has a gap.
 from math import inf, sqrt
 
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
-from pgimp.kernels.contact.surfaces.data import turns
-from pgimp.kernels.contact.surfaces.levels import end_of_patch, law_of
+from pgimp.kernels.contact.surfaces.awake import set_place
+from pgimp.kernels.contact.surfaces.data import CLEAR, turns
+from pgimp.kernels.contact.surfaces.levels import law_of
 from pgimp.kernels.contact.surfaces.motion import cofactors, gradient, set_polynomial, turned_normal
 from pgimp.kernels.contact.surfaces.nearest import ALIKE, FACES, STEEP, approach
 from pgimp.kernels.contact.surfaces.pressed import facing_part
@@ -231,21 +232,22 @@ def _own(frame, cells, c, near, d):
 
 @inner_kernel
 def _find_wall_gaps(frame, walls, surface, every, first, last):
-    """Set the gaps of the facets of a patch before a wall."""
-    plane = walls.planes[every[first].body - walls.first]
+    """Set the gaps of the facets of a patch before a wall; returns the least distance."""
+    plane, least = walls.planes[every[first].body - walls.first], inf
     axis, side = plane.axis, 1.0 * plane.side
     at = frame.origin[axis] + (plane.vertex - frame.ghost) * frame.cell[axis]
     for n in range(first, last):
         near, s = every[n], every[n].facet
-        same = -side * surface.turned[s, axis]
-        near.gap = (at - surface.now[s, axis]) * side if same <= FACES else inf
-        near.facing = facing_part(same)
+        same, away = -side * surface.turned[s, axis], (at - surface.now[s, axis]) * side
+        near.gap, near.facing = away if same <= FACES else inf, facing_part(same)
+        least = min(least, away)
         for d in range(3):
             near.normal[d] = -side if d == axis else 0.0
+    return least
 
 
 @kernel
-def find_gaps(frame, contact, walls, surface, moved, scratch, far, every):
+def find_gaps(frame, contact, walls, surface, moved, scratch, far, near):
     """Find the gaps between facets and the other bodies next to them.
 
     Parameters
@@ -258,37 +260,40 @@ def find_gaps(frame, contact, walls, surface, moved, scratch, far, every):
         The cells, and the displacements of the surface vertices.
     scratch
         As of `move_facets`.
-    far : (float, bool, (bodies,) float64)
-        Greatest distance: farther away the cell's displacements, extrapolated, may fold. Whether
-        the facets next to others may have changed since they were found. The ways of the fastest
-        vertices in a step, see `law_of`; below 0 every gap is looked for.
-    every : (n,) NEAR_FACET
+    far : float
+        Greatest distance: farther away the cell's displacements, extrapolated, may fold.
+    near : ((n,) NEAR_FACET, Patches)
         The facets, by patch and body; `other` is where the search for the one next to them begins.
+        Those of patches that rest stay as they are. Of ways below 0 every gap is looked for.
     """
-    D, (cells, u), (farthest, walks, travels) = len(frame.cell), moved, far
-    cell, first, last, c, used = frame.cell[0], 0, 0, -1, 0
+    D, (cells, u), (every, patches) = len(frame.cell), moved, near
+    cell, c, used = frame.cell[0], -1, 0
     for d in range(D):
         cell = min(cell, frame.cell[d])
-    while first < len(every):
-        last = end_of_patch(surface, every, first)
+    for k in range(len(patches.awake)):
+        g, walks = patches.awake[k], patches.walks[k] != 0
+        first, last, clear, least = patches.start[g], patches.start[g + 1], inf, inf
         body, s = every[first].body, every[first].facet
-        law, least = law_of(contact.pairs, surface.body[s], body, cell, travels), inf
-        looks = law[2] if travels[0] >= 0.0 else inf
+        law = law_of(contact.pairs, surface.body[s], body, cell, patches.ways[k])
+        looks = law[2] if patches.ways[k] >= 0.0 else inf
         if body >= walls.first:
-            _find_wall_gaps(frame, walls, surface, every, first, last)
-            first = last
-            continue
-        for n in range(first, last):
-            every[n].gap = approach(D, surface, every[n], frame.cell[0], walks, farthest)
-            least = min(least, every[n].gap)
-        for n in range(first, last):
-            near = every[n]
-            if not (law[0] > 0 and least < looks and near.gap < inf):
-                near.gap = inf
+            clear = _find_wall_gaps(frame, walls, surface, every, first, last)
+        for n in range(first, last if body < walls.first else first):
+            every[n].gap, away = approach(D, surface, every[n], frame.cell[0], walks, far)
+            least, clear = min(least, every[n].gap), min(clear, away)
+        for n in range(first, last if body < walls.first else first):
+            one = every[n]
+            if not (law[0] > 0 and least < looks and one.gap < inf):
+                one.gap = inf
                 continue
-            own = surface.cell[near.other]
+            own = surface.cell[one.other]
             if own >= 0 and own != c:
                 set_polynomial(D, cells, own, u, scratch[0])
-            used = _find_gap(frame, contact.rigid_bodies, surface, moved, scratch, near, used)
-            c = surface.cell[near.other] if own >= 0 else c
-        first = last
+            used = _find_gap(frame, contact.rigid_bodies, surface, moved, scratch, one, used)
+            c = surface.cell[one.other] if own >= 0 else c
+        if walks:
+            known, middle = patches.known[g], every[(first + last) // 2]
+            known[CLEAR] = clear
+            of = surface, (cells, u, u), scratch[0], (middle.facet, middle.other)
+            set_place(frame, contact.rigid_bodies, *of, cell, known)
+            c = -1

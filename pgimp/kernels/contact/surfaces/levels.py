@@ -11,7 +11,8 @@ W_k ~ A_k max(0, s - g_k), which add up to 1.
 Where a patch tilts, pressure p moves towards what is deepest: a spring against it, of p/d over an
 area. Weights of a step are those at its begin, so that the spring is explicit. In a grid of cells h
 it has omega^2 = 2 p/(3 rho h d) = a/(3 d), with the acceleration a of vertices at the surface by
-even pressure. So d is a dt^2/2 at least: what contact keeps the patch from in a step.
+even pressure. So d is a dt^2/4 at least, with the acceleration a that contact gave the patch in the
+last step. The gap has the least d: a constraint that changes as d does would take energy.
 """
 
 from math import inf, sqrt
@@ -23,7 +24,7 @@ from pgimp.jit.vectors.simd import lane, vector, where
 from pgimp.physics.contact.base import TIED
 
 #: The least length d in cells, and over a dt^2 with the acceleration a that contact gives a patch.
-FADES, FOLLOWS = 0.002, 0.5
+FADES, FOLLOWS = 0.002, 0.25
 
 #: Iterations for the level, at most, and the relative error of its root that ends them.
 _NEWTON, _EXACT = 40, 1e-13
@@ -36,7 +37,7 @@ NUMBER, FACET, NUMBERED = range(3)
 #: Least area A, in areas of the patch.
 _LEAST = 0.03
 
-#: Cells of gap above which a patch has no pair. Over the greatest distance of a vertex in the step
+#: Cells of gap above which a patch has no pair. Over the way by which it comes nearer in the step
 #: the gap above which it has none either, and cells of gap at which it always has one.
 NEAR, SOON, TOUCHES = 0.25, 4.0, 1e-3
 
@@ -63,18 +64,18 @@ def entry_of(pairs, a, b):
 
 
 @inner_kernel
-def law_of(pairs, a, b, cell, travels):
+def law_of(pairs, a, b, cell, way):
     """As `entry_of`, and the gap from which on two bodies do not act on each other.
 
-    `cell` is the least side of a cell, `travels` are the ways of the bodies' fastest vertices in a
-    step.
+    `cell` is the least side of a cell, `way` the one by which they may come nearer in a step; below
+    0 every gap matters.
     """
     entry, swapped = entry_of(pairs, a, b)
     if entry == 0:
         return entry, swapped, 0.0
     near = NEAR * cell
     if pairs.kind[entry - 1] != TIED:
-        soon = SOON * max(travels[a], travels[b]) + TOUCHES * cell
+        soon = SOON * way + TOUCHES * cell if way >= 0.0 else near
         near = max(min(near, soon), pairs.adhesion[entry - 1, 2])
     return entry, swapped, near
 

@@ -150,6 +150,21 @@ def _move_rigid(rigid_bodies, surface, f):
         surface.now[f, d], surface.turned[f, d] = x, n
 
 
+@inlined
+def rigid_position(rigid_bodies, surface, f):
+    """Position of a facet of a rigid body, a triple."""
+    if not is_record(rigid_bodies):
+        return 0.0, 0.0, 0.0
+    row = rigid_bodies.motion[surface.body[f] - rigid_bodies.bodies]
+    R, x, c = row.rotation, surface.x[f], row.centre
+    r = (x[0] - row.reference[0], x[1] - row.reference[1], x[2] - row.reference[2])
+    return (
+        c[0] + R[0, 0] * r[0] + R[0, 1] * r[1] + R[0, 2] * r[2],
+        c[1] + R[1, 0] * r[0] + R[1, 1] * r[1] + R[1, 2] * r[2],
+        c[2] + R[2, 0] * r[0] + R[2, 1] * r[1] + R[2, 2] * r[2],
+    )
+
+
 @kernel
 def move_facets(frame, rigid_bodies, surface, cells, u, some, scratch):
     """Set the mean current positions, half-edges and normals of some facets.
@@ -220,8 +235,8 @@ def set_triple(into, v):
 
 
 @kernel
-def read_vertices(holding, field, keys, records, values, u) -> float:
-    """Copy surface vertices; returns the greatest component of their velocities.
+def read_vertices(holding, field, keys, records, values, u):
+    """Copy surface vertices.
 
     Parameters
     ----------
@@ -232,32 +247,8 @@ def read_vertices(holding, field, keys, records, values, u) -> float:
     u : (m, 4) float64
         Set to their displacements; the last entries mean nothing.
     """
-    most, motion = 0.0, field.motion.values
+    motion = field.motion.values
     read_reference_vertices(holding, field, keys, values)
     for n in range(len(keys)):
         for d in range(4):
             u[n, d] = motion[records[n] * RECORD + DISPLACEMENT + d]
-        for d in range(3):
-            most = max(most, abs(values[n].velocity[d]))
-    return most
-
-
-@kernel
-def find_travels(values, of, dt, travels):
-    """Increase the ways of bodies' fastest vertices in a step.
-
-    Parameters
-    ----------
-    values : (m,) REFERENCE_VERTEX
-        Surface vertices.
-    of : (k, 2) int64
-        Bodies, and the vertices that move them.
-    dt : float
-        The step.
-    travels : (bodies,) float64
-        Greatest components of their ways.
-    """
-    for n in range(len(of)):
-        for d in range(3):
-            way = dt * abs(values[of[n, 1]].velocity[d])
-            travels[of[n, 0]] = max(travels[of[n, 0]], way)

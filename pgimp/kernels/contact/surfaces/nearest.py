@@ -26,9 +26,14 @@ _ALONG = 1e-6
 #: Part of a disc's radius by which a gap may be less than the distance from its plane.
 _OFF = 0.25
 
+#: Cells by which facets have to come nearer before they are looked at again, at most: which is next
+#: to another may change on the way.
+CLEAR = 0.15
+
 #: Beside a disc by more than its radius times the root of 2: least part of the square that is from
 #: the rim on.
 _BEYOND = 0.0857
+
 
 #: Marks of facets: beside a sharp edge; in a plane with their neighbours; without neighbours that
 #: are alike and not in their plane.
@@ -117,6 +122,9 @@ def _stays(surface, s, f):
 def approach(D, surface, near, cell, walks, farthest):
     """Least gap that a facet may have before the one next to it; inf if these are far apart.
 
+    Also the way by which both have to come nearer before a gap may close, at least; it may be below
+    0, and is `CLEAR` at most.
+
     Parameters
     ----------
     near : NEAR_FACET
@@ -127,16 +135,26 @@ def approach(D, surface, near, cell, walks, farthest):
     s = near.facet
     if walks and not _stays(surface, s, near.other):
         near.other = next_facet(D, surface, s, cell, near.other)
-    f, along, same = near.other, 0.0, 0.0
+    f, along, whole, same, over = near.other, 0.0, 0.0, 0.0, 0.0
     for d in range(3):
         way = surface.now[s, d] - surface.now[f, d]
-        along += (way - turns(surface, way, d)) * surface.turned[f, d]
+        way -= turns(surface, way, d)
+        along += way * surface.turned[f, d]
+        whole += way * way
         same += surface.turned[s, d] * surface.turned[f, d]
-    if surface.tip[f] & PLANE:
-        second = near.body < surface.body[s]
-        if same > ACROSS or (second and same < STEEP - _TURNS):
-            return inf
-    most = farthest * farthest + reluctance(same, cell)
-    if same > MEETS or square_between(D, surface, s, cell, f, inf) > most:
-        return inf
-    return along - _OFF * surface.radius[f]
+    if same > MEETS:
+        return inf, CLEAR * cell
+    beside = max(whole - along * along, 0.0)
+    if D > 1:
+        over = max(0.0, sqrt(beside) - surface.radius[f])
+    gap = along - _OFF * surface.radius[f]
+    square = along * along + _ALONG * beside + over * over
+    clear = min(max(gap, sqrt(square) - farthest), CLEAR * cell)
+    second = near.body < surface.body[s]
+    if surface.tip[f] & PLANE and (same > ACROSS or (second and same < STEEP - _TURNS)):
+        return inf, clear
+    if square > farthest * farthest:
+        return inf, clear
+    if surface.body[s] == surface.body[f] and not apart(surface, s, f, cell):
+        return inf, clear
+    return gap, clear

@@ -11,6 +11,11 @@ normal would keep both sides out.
 
 The other body has the same sum with the places Y_k of the same points in it. So an impulse acts at
 one place of space on both bodies: momentum and angular momentum are exact.
+
+In a step G falls by more than its weights tell, as these move to what comes nearer: bodies overlap
+after it. Were that forgotten, what the weights have moved to would be stopped without return. So
+overlaps end in the next step, but no faster than the ends approached before it: the impulse times
+the mean of both velocities, which is what contact does to the energy, is never above zero.
 """
 
 from math import sqrt
@@ -19,10 +24,9 @@ from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.jit.vectors.lanes import sum_of
 from pgimp.jit.vectors.rows import load_row, store_row
 from pgimp.kernels.contact.data import clear_pair
-from pgimp.kernels.contact.impulses.coupling import set_answer
+from pgimp.kernels.contact.impulses.coupling import release_across, set_answer, velocity_before
 from pgimp.kernels.contact.impulses.pairs import SIDES
 from pgimp.kernels.contact.impulses.warm_start import kept_acceleration
-from pgimp.kernels.contact.surfaces.held import release_across
 from pgimp.kernels.contact.surfaces.levels import (
     AREA,
     FACET,
@@ -32,7 +36,6 @@ from pgimp.kernels.contact.surfaces.levels import (
     NEAR,
     NUMBER,
     WEIGHT,
-    end_of_patch,
     find_sides,
     gather,
     law_of,
@@ -43,8 +46,8 @@ from pgimp.kernels.contact.surfaces.spread import spread_weights
 from pgimp.kernels.rigid.bodies import arm_of
 from pgimp.physics.contact.base import TIED
 
-#: Cells by which overlapping surfaces part in a step, at most; others than rigid ones beyond what
-#: compliance takes, see `solve_softly`.
+#: Cells by which overlapping surfaces part in a step, at most, if they did not approach; others
+#: than rigid ones beyond what compliance takes, see `solve_softly`.
 PARTS = 2e-5
 
 
@@ -159,6 +162,8 @@ def _set_pair(contact, surface, group, side, law, size, pair):
     width = max(FADES * cell, FOLLOWS * dt * dt * kept_acceleration(kept, end))
     above = NEAR * cell if tied else level(own, count, all_of_it, least, width)
     whole, gap, sign = 0.0, above - width, 1.0 if swapped else -1.0
+    if width > FADES * cell and not tied:
+        gap = level(own, count, all_of_it, least, FADES * cell) - FADES * cell
     for k in range(3):
         for d in range(3):
             rigid[k, d] = 0.0
@@ -196,23 +201,29 @@ def _set_pair(contact, surface, group, side, law, size, pair):
 
 
 @inlined
-def _set_rigid_velocity(rigid_bodies, s, rigid, side):
-    """Set the velocity of a rigid end; walls are at rest. `s` is as in `load_rigid`."""
+def _rigid_velocity(rigid_bodies, s, place, before):
+    """Velocity of a rigid end before the step or after it. Walls are at rest.
+
+    `s` is as in `load_rigid`.
+    """
     if not is_record(rigid_bodies):
-        return None
+        return 0.0, 0.0, 0.0
     t = -1 - s - rigid_bodies.bodies
     if t >= len(rigid_bodies.motion):
-        return
-    v = rigid_bodies.motion[t].velocity_after
-    arm = arm_of(rigid_bodies, t, (rigid[2, 0], rigid[2, 1], rigid[2, 2]))
-    for d in range(3):
-        e, f = (d + 1) % 3, (d + 2) % 3
-        rigid[side, d] = v[d] + v[3 + e] * arm[f] - v[3 + f] * arm[e]
+        return 0.0, 0.0, 0.0
+    motion = rigid_bodies.motion[t]
+    v = motion.velocity_before if before else motion.velocity_after
+    r = arm_of(rigid_bodies, t, (place[0], place[1], place[2]))
+    return (
+        v[0] + v[4] * r[2] - v[5] * r[1],
+        v[1] + v[5] * r[0] - v[3] * r[2],
+        v[2] + v[3] * r[1] - v[4] * r[0],
+    )
 
 
 @kernel
 def find_patch_pairs(
-    contact, frame, surface, cells, every, step, scratch, found
+    contact, frame, surface, cells, near, step, scratch, found
 ) -> tuple[int, int, int, int]:
     """Find the pairs of patches and other bodies, and their rows.
 
@@ -220,11 +231,11 @@ def find_patch_pairs(
     ----------
     contact : Contact
         Laws and rigid bodies.
-    every : (n,) NEAR_FACET
-        Candidates with their gaps, by patch and other body. Sides and weights are set here.
-    step : (float, (bodies,) float64, (n,) KEPT_FORCE)
-        Length of the step, the ways of the fastest vertices in it, see `law_of`, and forces of
-        the last step, see `begin_impulses`.
+    near : ((n,) NEAR_FACET, Patches)
+        Candidates with their gaps, by patch and other body. Sides and weights are set here, of
+        patches that are awake.
+    step : (float, (n,) KEPT_FORCE)
+        Length of the step, and forces of the last step, see `begin_impulses`.
     scratch : ((m, NUMBERS) float64, (m, 2) int64, group, pieces, kept)
         The records of `ReferenceVertices`, and scratch; the last two as of `scratch_of`. In
         `group` are sums, (cells, 2^D) float64, cells, (cells,) int64, and room of `gather`.
@@ -236,21 +247,21 @@ def find_patch_pairs(
     tuple of 4 int
         Numbers of pairs, rows and entries; the candidate with the least gap, -1 without any.
     """
-    D, (values, seen, (sums, known, own, numbers), pieces, its), (dt, travels, kept) = (
+    D, (values, seen, (sums, known, own, numbers), pieces, its), (dt, kept) = (
         len(frame.cell), scratch, step
     )  # fmt: skip
-    contact_pairs, coupling = found
-    cell, room = frame.cell[0], (values, seen, (sums, known), pieces, its)
+    (contact_pairs, coupling), (every, patches), cell = found, near, frame.cell[0]
+    room = values, seen, (sums, known), pieces, its
     for d in range(D):
         cell = min(cell, frame.cell[d])
     seen[:, 0] = -1
     sums[:] = 0.0
-    pairs, rows, used, last, start, deepest = 0, 0, 0, 0, coupling.start, -1
+    pairs, rows, used, start, deepest = 0, 0, 0, coupling.start, -1
     start[0] = 0
-    while last < len(every):
-        first = last
-        s, last = every[first].facet, end_of_patch(surface, every, first)
-        law = law_of(contact.pairs, surface.body[s], every[first].body, cell, travels)
+    for k in range(len(patches.awake)):
+        first, last = patches.start[patches.awake[k]], patches.start[patches.awake[k] + 1]
+        s = every[first].facet
+        law = law_of(contact.pairs, surface.body[s], every[first].body, cell, patches.ways[k])
         sides, side = 0, -1
         if law[0] > 0:
             sides = find_sides(surface, every, first, last, law[2])
@@ -272,7 +283,8 @@ def find_patch_pairs(
                 f = s if is_own else every[gathered[2]].other
                 if f < 0 or surface.cell[f] < 0:
                     end.rows[a] = -1 - body
-                    _set_rigid_velocity(contact.rigid_bodies, -1 - body, rigid, a)
+                    v = _rigid_velocity(contact.rigid_bodies, -1 - body, rigid[2], False)
+                    rigid[a, 0], rigid[a, 1], rigid[a, 2] = v
                     continue
                 end.rows[a] = rows
                 at, facets = (rows, used), (every, own, numbers, gathered[0])
@@ -282,6 +294,14 @@ def find_patch_pairs(
                     set_answer(coupling, rows, values)
                     release_across(coupling, rows, values, row.normal)
                 rows += 1
+            end.parted = 0.0
+            for a in range(2 if used <= len(coupling.column) else 0):
+                if end.rows[a] < 0:
+                    v = _rigid_velocity(contact.rigid_bodies, end.rows[a], rigid[2], True)
+                else:
+                    v = velocity_before(coupling, end.rows[a], values)
+                for d in range(3):
+                    end.parted += (2.0 * a - 1.0) * row.normal[d] * v[d]
             if end.rows[0] < 0 and end.rows[1] < 0:
                 row.gap_rate = max(row.gap_rate, -PARTS * cell / dt)
             pairs += 1

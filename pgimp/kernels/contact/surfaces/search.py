@@ -14,7 +14,7 @@ from pgimp.kernels.contact.surfaces.nearest import (
     apart,
     reluctance,
 )
-from pgimp.kernels.data.motion import DISPLACEMENT
+from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_VELOCITY
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.once.neighbours import first_not_below
 
@@ -128,6 +128,30 @@ def bound_clusters(frame, numbers, records, motion, clusters, ends):
 
 
 @kernel
+def greatest_way(frame, records, motion, before, dt):
+    """Most cells along a direction from where vertices were to where they are after a time.
+
+    Parameters
+    ----------
+    records, motion
+        As of `bound_clusters`.
+    before : (v, 3) float64
+        Displacements to begin from; those of now if there are none.
+    dt : float
+        The time.
+    """
+    most = 0.0
+    for v in range(len(records)):
+        r = records[v] * RECORD
+        for d in range(len(frame.cell) if r >= 0 else 0):
+            way = dt * abs(motion.values[r + KEPT_VELOCITY + d])
+            if len(before) > 0:
+                way += abs(motion.values[r + DISPLACEMENT + d] - before[v, d])
+            most = max(most, way * frame.inverse[d])
+    return most
+
+
+@kernel
 def find_close(order, low, high, reach, body, acts, pairs):
     """Find the pairs of boxes within reach of each other, of bodies of which one acts on the other.
 
@@ -203,8 +227,33 @@ def _looks(surface, acts, cell, s, f):
     return a != b or apart(surface, s, f, cell)
 
 
+@inner_kernel
+def _find_runs(acts, runs, p, reach):
+    """Find the runs of facets that one may meet; returns how many there are."""
+    _, body, boxes, (keys, order, strides), close = runs
+    found, key_of = 0, keys[1, p]
+    for way in range(9):
+        i, j = way // 3 - 1, way % 3 - 1
+        if (i != 0 and strides[0] == 0) or (j != 0 and strides[1] == 0):
+            continue
+        key = key_of + i * strides[0] + j * strides[1]
+        at = first_not_below(keys[0], key - 1)
+        while at < len(order) and keys[0, at] <= key + 1:
+            q, near = order[at], True
+            at += 1
+            if acts[body[p], body[q]] == 0 and acts[body[q], body[p]] == 0:
+                continue
+            for d in range(3):
+                near = near and boxes[0, p, d] <= boxes[1, q, d] + reach
+                near = near and boxes[0, q, d] <= boxes[1, p, d] + reach
+            if near:
+                close[found] = q
+                found += 1
+    return found
+
+
 @kernel
-def find_meeting(surface, acts, some, bins, reach, marks, best, every):
+def find_meeting(surface, acts, some, runs, reach, marks, best, every):
     """Find the facets that may soon meet another body, and the nearest facet there.
 
     Parameters
@@ -214,17 +263,18 @@ def find_meeting(surface, acts, some, bins, reach, marks, best, every):
     acts : (bodies, bodies) uint8
         Whether facets of the first body look for those of the second.
     some : (n,) int64
-        The facets to look at, by bins.
-    bins : ((n,) int64, (n, 3) float64, (3,) int64, (2, 9) int64)
-        Keys of the bins that they are in, with sides of the reach, ascending; their centroids;
-        strides of keys, see `find_beside`; scratch.
-    reach : (float, float)
-        Greatest distance, and the side of a cell.
+        The facets to look at, by patch.
+    runs : tuple
+        Runs of them that are near each other, see
+        `pgimp.solver.contact.surfaces.candidates.runs_of`.
+    reach : (float, float, int, int)
+        Greatest distance, and the side of a cell; the first and the end of the runs that look for
+        others.
     marks : (facets,) uint8
-        Set to 1 for all facets within reach of each other.
+        Set to 1 for these facets within reach of others, and those there.
     best : ((bodies,) float64, (bodies,) int64, (bodies,) int64)
         Scratch; the first is inf before and after.
-    every : (room,) NEAR_FACET
+    every : (room, 3) int64
         Filled as far as there is room: facets, bodies, the nearest facet there.
 
     Returns
@@ -232,44 +282,37 @@ def find_meeting(surface, acts, some, bins, reach, marks, best, every):
     int
         How many there are.
     """
-    found, (keys, x, strides, ranges), (least, nearest, met) = 0, bins, best
-    for n in range(len(some)):
-        s, bodies = some[n], 0
-        if n == 0 or keys[n] != keys[n - 1]:
-            for way in range(9):
-                i, j = way // 3 - 1, way % 3 - 1
-                ranges[0, way] = ranges[1, way] = 0
-                if (i == 0 or strides[0] != 0) and (j == 0 or strides[1] != 0):
-                    key = keys[n] + i * strides[0] + j * strides[1]
-                    ranges[0, way] = first_not_below(keys, key - 1)
-                    ranges[1, way] = first_not_below(keys, key + 2)
-        for way in range(9):
-            for m in range(ranges[0, way], ranges[1, way]):
-                square, same, f = 0.0, 0.0, some[m]
-                for d in range(3):
-                    square += (x[n, d] - x[m, d]) ** 2
-                if square > reach[0] * reach[0] or not _looks(surface, acts, reach[1], s, f):
-                    continue
-                for d in range(3):
-                    same += surface.turned[s, d] * surface.turned[f, d]
-                marks[f] = marks[s] = 1
-                square, b = square + reluctance(same, reach[1]), surface.body[f]
-                if same < STEEP and acts[surface.body[s], b] == 0:
-                    continue
-                if not square < inf or (same > ACROSS and surface.tip[f] & PLANE):
-                    continue
-                if least[b] == inf:
-                    met[bodies] = b
-                    bodies += 1
-                if square < least[b] or (square == least[b] and f < nearest[b]):
-                    least[b], nearest[b] = square, f
-        for k in range(bodies):
-            b = met[k]
-            if found < len(every):
-                every[found].facet, every[found].body = s, b
-                every[found].other, every[found].gap = nearest[b], inf
-            found += 1
-            least[b] = inf
+    found, start, close, (least, nearest, met) = 0, runs[0], runs[4], best
+    for p in range(reach[2], reach[3]):
+        count = _find_runs(acts, runs, p, reach[0])
+        for n in range(start[p], start[p + 1] if count > 0 else start[p]):
+            s, bodies = some[n], 0
+            for m in range(count):
+                for k in range(start[close[m]], start[close[m] + 1]):
+                    square, same, f = 0.0, 0.0, some[k]
+                    for d in range(3):
+                        square += (surface.now[s, d] - surface.now[f, d]) ** 2
+                    if square > reach[0] * reach[0] or not _looks(surface, acts, reach[1], s, f):
+                        continue
+                    for d in range(3):
+                        same += surface.turned[s, d] * surface.turned[f, d]
+                    marks[f] = marks[s] = 1
+                    square, b = square + reluctance(same, reach[1]), surface.body[f]
+                    if same < STEEP and acts[surface.body[s], b] == 0:
+                        continue
+                    if not square < inf or (same > ACROSS and surface.tip[f] & PLANE):
+                        continue
+                    if least[b] == inf:
+                        met[bodies] = b
+                        bodies += 1
+                    if square < least[b] or (square == least[b] and f < nearest[b]):
+                        least[b], nearest[b] = square, f
+            for m in range(bodies):
+                b = met[m]
+                if found < len(every):
+                    every[found, 0], every[found, 1], every[found, 2] = s, b, nearest[b]
+                found += 1
+                least[b] = inf
     return found
 
 

@@ -245,7 +245,8 @@ def _soften(contact, kept, contact_pairs, coupling, solved, sizes, scratch):
         part = _grown(kept[one], row.normal) if one >= 0 else 1.0
         if one >= 0 and areas[k] == 0.0:
             row.gap_rate += _own_depth(solved, contact_pairs.ends[k], row, kept[one], dt)
-        row.gap_rate = max(row.gap_rate, -parts / dt - part * max(deep, 0.0))
+        most = max(parts / dt, -contact_pairs.ends[k].parted)
+        row.gap_rate = max(row.gap_rate, -most - part * max(deep, 0.0))
         if areas[k] == 0.0 or row.gap_rate == 0.0:  # no gap corrects it
             row.gap_rate -= deep
 
@@ -284,9 +285,9 @@ def solve_softly(contact, free, kept, pairs, coupling, solved, room, limits) -> 
         vertices, (vertices, 3) float64; velocities, (pairs, 3) float64; areas, (pairs,) float64.
         Last that of `solve_groups`.
     limits : (float, float, float, float), (int, float)
-        The step; least area of a patch in its weight; the length by which overlaps
-        end in a step, beyond what compliance takes; the gap at which a patch may bear. Then the
-        accuracy, see `solve_groups`.
+        The step; least area of a patch in its weight; the length by which overlaps end in a step,
+        see `pgimp.kernels.contact.surfaces.rows`, beyond what compliance takes; the gap at which a
+        patch may bear. Then the accuracy, see `solve_groups`.
     """
     (contact_pairs, _, _), (softened, answer, scratch, sweeping) = pairs, room
     (sizes, accuracy), sums = limits, scratch[0]

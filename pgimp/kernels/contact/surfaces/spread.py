@@ -189,12 +189,13 @@ def find_pieces(D, cells, c, near, pieces):
     """
     number, hats, place, edges = pieces[0], pieces[1], near.place, near.edges
     cut, known, whole, size, found = 0, 0, 0.0, 0.0, 0
-    for d in range(D):
-        cut |= _reaches(place, edges, d) << 2 * d
     for d in range(3):
         e, f = (d + 1) % 3, (d + 2) % 3
         whole += (edges[0, e] * edges[1, f] - edges[0, f] * edges[1, e]) ** 2
         size += abs(edges[0, d]) + abs(edges[1, d])
+    for d in range(D if size > 0.0 else 0):  # of no size: of material, whose cells have none beside
+        cut |= _reaches(place, edges, d) << 2 * d
+    for d in range(D):
         for side in range(2):
             if cut >> (2 * d + side) & 1 and _known(cells, c, cut, d, side):
                 known |= 1 << (2 * d + side)

@@ -79,4 +79,5 @@ def _empty(pairs: int, rows: int, entries: int, vertices: int) -> Parts:
 def _parts(joint: Joint) -> Parts:
     """What `merge_pairs` takes."""
     keys, values = joint.vertices
+    joint.coupling.start[0] = 0  # as it is, but in a rehearsal that only notes what would set it
     return joint.pairs, joint.coupling, (keys, flat(values))

@@ -14,6 +14,7 @@ from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.impulses.coupling import Coupling
 from pgimp.kernels.contact.impulses.pairs import ContactPairs
 from pgimp.kernels.contact.impulses.rows import Solved
+from pgimp.kernels.contact.surfaces.data import Patches
 from pgimp.kernels.data.ledger import Ledger
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
@@ -100,12 +101,12 @@ class MixedContact(SurfaceContact):
 
     def _meet(self, rank: RankState, update: VertexUpdate, table: Table) -> None:
         """See `SurfaceContact._meet`."""
-        near, material = self._proximity.near, self._material
+        near, material = self._proximity.facets, self._material
         assert near is not None and material is not None
         rigid, t = self.rigid_bodies, update.t
         found: list[Joint | None] = []
         self._found = []
-        if needed(near.any):
+        if needed(len(near)):
             found.append(self._joint(rank, update, table))
             self._found.append(self._every)
         material.look(rank, table, rigid, t.dt, self._rate)
@@ -113,9 +114,11 @@ class MixedContact(SurfaceContact):
         if needed(material.near.any):
             met = material.meet(rank, rigid, self._holding(update))
             if met is not None:
-                step = t.dt, self._travels(met.speed, t.dt), self._warm_start.kept
+                step = t.dt, self._warm_start.kept
+                way = max(met.speed, self._rate * min(self.scene.domain.frame.cell)) * t.dt
+                of = met.every, Patches.of(met.surface, met.every, way)
                 found.append(
-                    self._pairs(met.surface, met.cells, met.every, met.vertices, step, self._beside)
+                    self._pairs(met.surface, met.cells, of, met.vertices, step, self._beside)
                 )
                 self._found.append(self._every)
         found.append(
@@ -129,7 +132,8 @@ class MixedContact(SurfaceContact):
     ) -> None:
         """See `ImpulseContact._sweep`; of all groups, without compliance of patches."""
         states, parts = pairs.states, self._sizes[1] / self._dt
-        states["gap_rate"] = np.maximum(states["gap_rate"], -parts)
+        most = np.maximum(parts, -pairs.ends["parted"])
+        states["gap_rate"] = np.maximum(states["gap_rate"], -most)
         ImpulseContact._sweep(self, free, pairs, coupling, solved)
 
     def _book(

@@ -25,14 +25,13 @@ from pgimp.kernels.contact.surfaces.data import Surface, SurfaceCells, no_facets
 from pgimp.kernels.contact.surfaces.levels import NEAR
 from pgimp.kernels.contact.surfaces.motion import move_facets
 from pgimp.kernels.contact.surfaces.search import keys_of_vertices
-from pgimp.kernels.data.motion import KEPT_VELOCITY
-from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.impulses.messages import greatest, swap
 from pgimp.solver.contact.material.region import NearRegion
-from pgimp.solver.contact.surfaces.proximity import LONGEST, TRAVEL, Proximity
+from pgimp.solver.contact.surfaces.proximity import NOWHERE, TRAVEL, Proximity
+from pgimp.solver.contact.surfaces.shares import Near, select
 from pgimp.solver.contact.surfaces.table import Table, bits_of, records_of
 from pgimp.solver.rank_state import RankState
 
@@ -70,6 +69,7 @@ class NearMaterial(Proximity):
         acts: np.ndarray, groups: np.ndarray, fields: tuple[int, ...],
     ) -> None:  # fmt: skip
         super().__init__(scene, comm, walls)
+        self.near: Near | None = None
         self._met, taken = np.flatnonzero(acts.any(axis=1)), acts.any(axis=0)
         self._groups, own = np.where(taken, groups, -1), np.array(fields, np.int64)
         self._slots = np.unique(own[taken])
@@ -93,38 +93,30 @@ class NearMaterial(Proximity):
         """Search, if any facets may have come near material since; collective."""
         if self._window is not rank.grid.window:
             self._locate(rank, table)
-        self._pause -= 1
-        if self._pause >= 0:
-            return
         p, order = rank.population.up_to_date(), rank.population.order
-        frame = self.scene.domain.frame
-        fastest = float(self.call(greatest_speed, frame, p, order))
-        fastest = greatest(self.comm, max(fastest, self._speed(rank) / min(frame.cell)))
-        travel = max(fastest, rate) * dt
-        self._pause = int(max(1.0, min(LONGEST, TRAVEL / travel if travel > 0.0 else LONGEST))) - 1
+        fastest = float(self.call(greatest_speed, self.scene.domain.frame, p, order)) * dt
+        travel = greatest(self.comm, max(fastest, self.way(rank, NOWHERE, dt), rate * dt))
+        self._moved += travel
+        if self.near is not None and self._moved <= TRAVEL:
+            return
+        self._moved = travel
         self._find_root(rank)
         some = np.flatnonzero(np.isin(table.body, self._met))
         low, high = self.boxes(rank, table, rigid)
         some = some[self._region.find(rank, low[some], high[some], order)]
         facets = table.facets(some)
         facets = facets[np.argsort(table.surface.patch[facets], kind="stable")]
-        self.near = self._select(table, facets)
+        self.near = select(self.comm, table, facets, self._records)
         self._number(rank)
         self._know_owners(rank)
 
-    def _locate(self, rank: RankState, table: Table, facets: np.ndarray | None = None) -> None:
+    def _locate(self, rank: RankState, table: Table) -> None:
         """See `Proximity._locate`; the root has all pairs."""
         self._window, self._records = rank.grid.window, records_of(rank, table.numbers)
         self._find_root(rank)
         if self.near is not None:
-            self.near = self._select(table, self.near.facets)
+            self.near = select(self.comm, table, self.near.facets, self._records)
             self._know_owners(rank)
-
-    def _speed(self, rank: RankState) -> float:
-        """Greatest component of a velocity of the rank's vertices of surfaces."""
-        own = rank.grid.kept.values.reshape(-1, RECORD)[self._records[self._records >= 0]]
-        v = own[:, KEPT_VELOCITY : KEPT_VELOCITY + self.scene.dimension]
-        return float(np.abs(v).max(initial=0.0))
 
     def _number(self, rank: RankState) -> None:
         """Number the vertices of facets and of material together, by their keys."""
@@ -163,7 +155,7 @@ class NearMaterial(Proximity):
         near, call, frame = self.near, self.call, self.scene.domain.frame
         assert near is not None
         material, there = self._copies(rank), self._read(rank, holding)
-        u = self.displacements(rank, near)
+        u = near.displacements(rank, self.root)
         if material is None or u is None or not there:
             return None
         call(move_facets, frame, rigid, self.surface, near.cells, u, near.facets, self.scratch)
@@ -184,7 +176,7 @@ class NearMaterial(Proximity):
         if self.near is None or not self.near.any:
             return found
         near, material = self.near, self._copies(rank)
-        u = self.displacements(rank, near)
+        u = near.displacements(rank, self.root)
         if material is not None and u is not None:
             of = self.surface, near.cells, u, near.facets, self.scratch
             self.call(move_facets, self.scene.domain.frame, rigid, *of)
@@ -206,8 +198,8 @@ class NearMaterial(Proximity):
             table = np.concatenate(parts)
         if len(self._order) < len(table):
             self._order = np.empty(len(table) + len(table) // 4, np.int64)
-        self.call(sort_material, table, self._start, self._order)
-        return table, self._order, self._start, region
+        reach = float(self.call(sort_material, table, self._start, self._order))
+        return table, self._order, self._start, reach, region
 
     def _gaps(self, facets: np.ndarray, material: tuple[Any, ...]) -> tuple[np.ndarray, np.ndarray]:
         """The gaps of facets, by patch and body, and the directions into the other body."""

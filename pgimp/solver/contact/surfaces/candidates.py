@@ -9,7 +9,7 @@ import numpy as np
 from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.impulses.pairs import SeparatingWalls
-from pgimp.kernels.contact.surfaces.data import no_facets
+from pgimp.kernels.contact.surfaces.data import Surface, no_facets
 from pgimp.kernels.contact.surfaces.nearest import ACROSS
 from pgimp.kernels.contact.surfaces.search import (
     bound_clusters,
@@ -21,7 +21,8 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.grown import grown
 from pgimp.solver.contact.surfaces.seams import close_images, with_images
-from pgimp.solver.contact.surfaces.table import Table, sorted_bins
+from pgimp.solver.contact.surfaces.shares import marked
+from pgimp.solver.contact.surfaces.table import Table, bins_of
 from pgimp.solver.rank_state import RankState
 
 #: Cells by which clusters' boxes reach beyond their vertices.
@@ -35,6 +36,7 @@ class Meeting(NamedTuple):
     #: low, high: (clusters, D) float64: Boxes of all.
     low: np.ndarray
     high: np.ndarray
+    facets: np.ndarray  #: (k,) int64: Facets of these pairs.
     on_walls: dict[int, np.ndarray]  #: For each wall the facets that may meet it.
 
 
@@ -92,22 +94,74 @@ def find_meeting_clusters(
         end = (high if side > 0 else low)[moving, axis]
         near = moving[side * (at - end) < reach[axis]]
         on_walls[walls.first + w] = table.facets(near)
-    return Meeting(np.concatenate([pairs, np.column_stack([alone, alone])]), low, high, on_walls)
+    pairs = np.concatenate([pairs, np.column_stack([alone, alone])])
+    facets = table.facets(marked(len(low), [pairs.reshape(-1)]))
+    return Meeting(pairs, low, high, facets, on_walls)
+
+
+def runs_of(
+    surface: Surface, some: np.ndarray, reach: float, cell: float, D: int
+) -> tuple[Any, ...]:
+    """Runs of facets that are near each other, those of a patch, for `find_meeting`.
+
+    They are the first of each, (n + 1,) int64; bodies, (n,) int64; least and greatest coordinates,
+    (2, n, 3) float64; the keys of their bins, ascending and in order, (2, n) int64, that order, and
+    strides, see `find_beside`; and room for their numbers, (n,) int64.
+    """
+    patch, x = surface.patch[some], surface.now[some]
+    ends = (patch[1:] != patch[:-1]) | (np.abs(x[1:] - x[:-1]) > 2.0 * cell).any(axis=1)
+    first = np.flatnonzero(np.concatenate([np.ones(min(1, len(some)), bool), ends]))
+    boxes = np.stack([np.minimum.reduceat(x, first), np.maximum.reduceat(x, first)])
+    side = reach + float((boxes[1] - boxes[0]).max(initial=0.0))
+    key_of, strides = bins_of(0.5 * (boxes[0] + boxes[1]), side, D)
+    order = np.argsort(key_of, kind="stable")
+    bins = np.stack([key_of[order], key_of]), order, strides
+    return (
+        np.append(first, len(some)),
+        surface.body[some[first]],
+        boxes,
+        bins,
+        np.empty(len(order), np.int64),
+    )
+
+
+def find_facets(
+    call: Bound, surface: Surface, acts: np.ndarray, some: np.ndarray, cell: float, reach: float,
+    part: tuple[int, int], marks: np.ndarray,
+) -> np.ndarray:  # fmt: skip
+    """Find which of some facets may soon meet another body, see `find_meeting`, (n, 3) int64.
+
+    `part` are a number and the number of parts of equal size of which it is: of the facets that
+    look for others.
+    """
+    count, D = len(acts), surface.means.shape[1].bit_length() - 1
+    best = np.full(count, np.inf), np.empty(count, np.int64), np.empty(count, np.int64)
+    runs = runs_of(surface, some, reach, cell, D)
+    begin, end = (len(runs[1]) * n // part[1] for n in (part[0], part[0] + 1))
+    every, found = grown(
+        2 * len(some) // part[1] + 16,
+        lambda size: np.empty((size, 3), np.int64),
+        lambda room: call(
+            find_meeting, surface, acts, some, runs, (reach, cell, begin, end), marks, best, room
+        ),
+    )
+    return every[:found]
 
 
 def find_candidates(
     call: Bound, scene: Scene, walls: SeparatingWalls, table: Table, acts: np.ndarray,
-    meeting: Meeting, reach: np.ndarray,
+    meeting: Meeting, reach: np.ndarray, part: tuple[int, int],
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-    """Find facets near another body, by patch, body and number; and all facets near others.
+    """Find facets near another body, and all facets near others: of a part, see `find_facets`.
 
-    Returns (n,) NEAR_FACET and (m,) int64, ascending. Facets are moved.
+    Returns facets, bodies and the facets next to the first, (n, 3) int64, and (m,) int64. Facets
+    are moved.
     """
     surface, frame, most = table.surface, scene.domain.frame, float(reach.max())
     periods, marks, there = scene.domain.periods, np.zeros(len(surface.x), np.uint8), surface
     own = which = np.empty(0, np.int64)
     if periods.any():
-        own = table.facets(np.unique(meeting.pairs))
+        own = meeting.facets
         there, which = with_images(surface, own, frame.origin, periods, most)
         some = np.arange(len(which))
     else:
@@ -115,39 +169,36 @@ def find_candidates(
         call(mark_between, surface, clusters, boxes, most, marks)
         some = np.flatnonzero(marks)
         marks[:] = 0
-    parts, count, found_near = [no_facets(0)], len(acts), marks
-    if there is not surface:
-        found_near = np.zeros(len(some), np.uint8)
+    parts = [np.empty((0, 3), np.int64)]
     if needed(len(some)):
-        best = np.full(count, np.inf), np.empty(count, np.int64), np.empty(count, np.int64)
-        some, bins = sorted_bins(there.now, some, most, scene.dimension)
-        distances = most, frame.cell[0]
-        every, found = grown(
-            2 * len(some) + 16,
-            no_facets,
-            lambda room: call(
-                find_meeting, there, acts, some, bins, distances, found_near, best, room
-            ),
-        )
-        every = every[:found]
+        found = marks if there is surface else np.zeros(len(some), np.uint8)
+        every = find_facets(call, there, acts, some, frame.cell[0], most, part, found)
         if there is not surface:  # what images find, they find as well
-            every = every[every["facet"] < len(own)]
-            every["facet"], every["other"] = which[every["facet"]], which[every["other"]]
-            marks[which[found_near != 0]] = 1
+            every = every[every[:, 0] < len(own)]
+            every[:, ::2] = which[every[:, ::2]]
+            marks[which[found != 0]] = 1
         parts.append(every)
-    for body, these in meeting.on_walls.items():
+    for body, these in meeting.on_walls.items() if part[0] == 0 else ():
         axis, side, place, *_ = walls.planes[body - walls.first].tolist()
         at = frame.origin[axis] + (place - frame.ghost) * frame.cell[axis]
         away = side * (at - surface.now[these, axis])
         these = these[(away < reach[axis]) & (side * surface.turned[these, axis] > -ACROSS)]
-        one = no_facets(len(these))
-        one["facet"], one["body"], one["other"] = these, body, -1
         marks[these] = 1
-        parts.append(one)
-    every = np.concatenate(parts)
-    number = surface.patch[every["facet"]] * (walls.first + len(walls.planes)) + every["body"]
-    order = np.argsort(number * len(surface.x) + every["facet"], kind="stable")
-    return every[order], np.flatnonzero(marks)
+        parts.append(np.column_stack([these, np.full(len(these), body), np.full(len(these), -1)]))
+    return np.concatenate(parts), np.flatnonzero(marks)
+
+
+def candidates_of(surface: Surface, found: np.ndarray) -> np.ndarray:
+    """Facets near others, (n,) NEAR_FACET by patch, body and number, of which nothing is known.
+
+    `found` are as of `find_candidates`.
+    """
+    facet, body, _ = found.T
+    found = found[np.lexsort((facet, body, surface.patch[facet]))]
+    every = no_facets(len(found))
+    every["facet"], every["body"], every["other"] = found.T
+    every["gap"], every["side"] = np.inf, -1
+    return every
 
 
 def _least(comm: Communicator, values: np.ndarray) -> np.ndarray:

@@ -23,12 +23,12 @@ from pgimp.kernels.contact.impulses.reference_grid import (
     change_velocities,
 )
 from pgimp.kernels.contact.impulses.rows import Solved
-from pgimp.kernels.contact.surfaces.data import Surface, SurfaceCells, no_facets
+from pgimp.kernels.contact.surfaces.data import Patches, Surface, SurfaceCells, no_facets
 from pgimp.kernels.contact.surfaces.gaps import find_gaps
 from pgimp.kernels.contact.surfaces.groups import book_groups
 from pgimp.kernels.contact.surfaces.levels import TOUCHES
 from pgimp.kernels.contact.surfaces.loads import add_loads
-from pgimp.kernels.contact.surfaces.motion import find_travels, move_facets, read_vertices
+from pgimp.kernels.contact.surfaces.motion import move_facets, read_vertices
 from pgimp.kernels.contact.surfaces.rows import PARTS, find_patch_pairs
 from pgimp.kernels.contact.surfaces.soft import LEAST_AREA, solve_softly
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
@@ -38,7 +38,6 @@ from pgimp.scene.scene import Scene
 from pgimp.solver.contact.base import NoContact
 from pgimp.solver.contact.impulses.impulse_contact import ImpulseContact, flat, nothing_held
 from pgimp.solver.contact.impulses.joint import Joint
-from pgimp.solver.contact.impulses.messages import greatest
 from pgimp.solver.contact.impulses.room import Room
 from pgimp.solver.contact.surfaces.groups import (
     Grouped,
@@ -208,9 +207,9 @@ class SurfaceContact(ImpulseContact):
 
     def _meet(self, rank: RankState, update: VertexUpdate, table: Table) -> None:
         """Find the pairs, and exchange impulses; collective."""
-        near = self._proximity.near
+        near = self._proximity.facets
         assert near is not None
-        if needed(near.any):
+        if needed(len(near)):
             self._act(rank, update, self._joint(rank, update, table))
         else:
             self._warm_start.clear()
@@ -231,34 +230,21 @@ class SurfaceContact(ImpulseContact):
             np.empty(len(share.records), REFERENCE_VERTEX),
             np.empty((len(share.records), 4)),
         )
-        speed = call(
-            read_vertices, self._holding(update), grid.field, share.sent, share.records, values, u
-        )
-        speed = greatest(self.comm, speed)
+        call(read_vertices, self._holding(update), grid.field, share.sent, share.records, values, u)
         u, values = share.gather(self.comm, u), share.gather(self.comm, values)
+        dt, self._moved = update.t.dt, (cells, u)
+        laws, rigid = self._contact, self.rigid_bodies
+        patches, moving = proximity.awake(laws, table, u, flat(values), dt)
+        call(move_facets, frame, rigid, surface, cells, u, moving, proximity.scratch)
         call(
-            move_facets, frame, self.rigid_bodies, surface, cells, u,
-            proximity.moved_facets(self.rigid_bodies), proximity.scratch,
+            find_gaps, frame, laws, self._walls, surface, (cells, u), proximity.scratch,
+            proximity.far, (every, patches),
         )  # fmt: skip
-        least, dt, self._moved = min(frame.cell), update.t.dt, (cells, u)
-        travels = self._travels(0.0, dt)
-        call(find_travels, values, share.of, dt, travels)
-        walks = proximity.walks((speed / least + self._rate) * dt)
-        call(
-            find_gaps, frame, self._contact, self._walls, surface, (cells, u), proximity.scratch,
-            (proximity.far, walks, travels), every,
-        )  # fmt: skip
-        step = dt, travels, self._warm_start.kept
+        step = dt, self._warm_start.kept
         vertices = ReferenceVertices(share.keys, values)
-        joint = self._pairs(surface, cells, every, vertices, step, self._room)
+        joint = self._pairs(surface, cells, (every, patches), vertices, step, self._room)
         self._depth.note(every, self._deepest, surface, update.t.start)
         return joint
-
-    def _travels(self, speed: float, dt: float) -> np.ndarray:
-        """Ways of the fastest vertices of bodies, rigid bodies and walls in a step."""
-        found = np.full(self._walls.first + len(self._walls.planes), speed * dt)
-        found[self.bodies : self._walls.first] = self._rate * min(self.scene.domain.frame.cell) * dt
-        return found
 
     def _act(self, rank: RankState, update: VertexUpdate, joint: Joint | None) -> None:
         """Solve for the impulses of the rank's pairs, and apply them; collective."""
@@ -332,8 +318,8 @@ class SurfaceContact(ImpulseContact):
             return every
         found, row = parted(table, every)
         of = self.scene.domain.frame, self._contact, self._walls, table.surface, self._moved
-        far = proximity.far, True, np.full(self._walls.first + len(self._walls.planes), -1.0)
-        self.call(find_gaps, *of, proximity.scratch, far, found)
+        near = found, Patches.of(table.surface, found, -1.0)
+        self.call(find_gaps, *of, proximity.scratch, proximity.far, near)
         for name in ("gap", "side", "facing", "normal"):
             found[name] = every[name][row]
         return found
@@ -348,19 +334,21 @@ class SurfaceContact(ImpulseContact):
         self.call(add_loads, *of, surface, every, (self._dt, *self.loads.arrays))
 
     def _pairs(
-        self, surface: Surface, cells: SurfaceCells, every: np.ndarray,
-        reference: ReferenceVertices, step: tuple[float, np.ndarray, np.ndarray], room: Room,
+        self, surface: Surface, cells: SurfaceCells, near: tuple[np.ndarray, Patches],
+        reference: ReferenceVertices, step: tuple[float, np.ndarray], room: Room,
     ) -> Joint:  # fmt: skip
         """The pairs of patches and other bodies, with their rows of B, in `room`.
 
-        `step` has its length, the ways of the bodies' fastest vertices, and kept forces.
+        `near` are facets near others, and their patches; `step` has its length, and kept forces.
         """
         call, frame, (keys, values) = self.call, self.scene.domain.frame, reference
-        scratch = flat(values), *room.gathering(len(keys), len(every), len(frame.cell))
-        scratch, used, self._every = (*scratch, *self._proximity.scratch[-2:]), 0, every
+        (every, _), used = near, 0
+        gathering = room.gathering(len(keys), len(every), len(frame.cell))
+        scratch = flat(values), *gathering, *self._proximity.scratch[-2:]
+        self._every = every
         while True:
             found, rows, used, self._deepest = call(
-                find_patch_pairs, self._contact, frame, surface, cells, every, step, scratch,
+                find_patch_pairs, self._contact, frame, surface, cells, near, step, scratch,
                 room.found(len(every), used),
             )  # fmt: skip
             if used <= room.entries:

@@ -2,91 +2,55 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
+from pgimp.kernels.contact.data import Contact
 from pgimp.kernels.contact.impulses.pairs import SeparatingWalls
-from pgimp.kernels.contact.surfaces.data import Surface, SurfaceCells, no_facets
+from pgimp.kernels.contact.surfaces.awake import find_awake
+from pgimp.kernels.contact.surfaces.data import KNOWN, Patches, no_facets
 from pgimp.kernels.contact.surfaces.gaps import FARTHEST
 from pgimp.kernels.contact.surfaces.motion import move_facets
+from pgimp.kernels.contact.surfaces.search import greatest_way
 from pgimp.kernels.contact.surfaces.spread import kept_of, scratch_of
-from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_VELOCITY
+from pgimp.kernels.data.motion import DISPLACEMENT
 from pgimp.kernels.data.record import RECORD
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
-from pgimp.solver.contact.impulses.messages import greatest, swap
+from pgimp.solver.contact.impulses.messages import greatest
 from pgimp.solver.contact.surfaces.candidates import (
     boxes_of,
+    candidates_of,
     find_candidates,
     find_meeting_clusters,
 )
 from pgimp.solver.contact.surfaces.groups import Groups, find_groups
+from pgimp.solver.contact.surfaces.shares import Share, marked, share_of
 from pgimp.solver.contact.surfaces.table import Table, records_of
 from pgimp.solver.contact.surfaces.wide import joined, moving_of
 from pgimp.solver.rank_state import RankState
 
-#: Cells by which each body may move until the next search, at most, and the most steps until it
-#: looks how far they have moved.
-TRAVEL, LONGEST = 0.25, 16
+#: Cells by which each body may move until the next search, at most.
+TRAVEL = 0.25
 
-#: Cells by which it may move at least, and else the way in so many times that number of steps.
-_LEAST, _AHEAD = 0.02, 2.0
+#: Cells by which it may move at least, and else the way in so many steps.
+_LEAST, _AHEAD = 0.02, 32.0
+
+#: Displacements at no search.
+NOWHERE = np.empty((0, 3))
 
 #: Pieces of facets that are kept within a step, for each candidate, and more for a wide one.
 PIECES, _MORE_PIECES = 3, 4
 
-#: Cells of travel within which the facets next to others stay so.
-WALK = 0.01
-
 U = slice(DISPLACEMENT, DISPLACEMENT + 3)
 
-#: With a number that means nothing, for kernels.
-U4 = slice(DISPLACEMENT, DISPLACEMENT + 4)
-
-#: What a checkpoint has of each candidate, and its parts: displacements, facets, moving ones,
-#: these. Before them there are four numbers and the parts' lengths.
-_KEPT = ("facet", "body", "other")
-_PARTS, _NUMBERS = 3 + len(_KEPT), 4
-
-
-class Near(NamedTuple):
-    """Vertices that move facets near other bodies, until the next search."""
-
-    any: bool  #: Whether there are any.
-    facets: np.ndarray  #: (n,) int64: All facets of clusters that may meet others.
-    cells: SurfaceCells  #: Cells with the vertices' numbers among those below.
-    keys: np.ndarray  #: (v,) int64: Keys of the vertices that move these facets.
-    records: np.ndarray  #: (o,) int64: Records of those that the rank owns.
-    own: np.ndarray  #: (o,) int64: Their numbers.
-    every: np.ndarray  #: (v,) int64: Numbers of those of all ranks, one rank after the other.
-    counts: np.ndarray  #: (ranks,) int64: How many each rank owns.
-
-
-class Share(NamedTuple):
-    """What a rank has of the groups of bodies near each other, until the next search."""
-
-    moving: np.ndarray  #: (k,) int64: Its facets near others, and those near them.
-    cells: SurfaceCells  #: Cells with the vertices' numbers among those below.
-    keys: np.ndarray  #: (v,) int64: Keys of the vertices that move these facets.
-    #: records, sent: (o,) int64: Records of its own vertices that any rank needs, by rank; keys.
-    records: np.ndarray
-    sent: np.ndarray
-    counts: np.ndarray  #: (2, ranks) int64: How many of these each rank needs, and it has of each.
-    place: np.ndarray  #: (v,) int64: Numbers of those that it gets.
-    same: bool  #: Whether these are its own, in their order.
-    of: np.ndarray  #: (n, 2) int64: Bodies, and the vertices of the cells of their facets.
-
-    def gather(self, comm: Communicator, values: np.ndarray) -> np.ndarray:
-        """What all ranks have at the share's vertices, given that of `sent`; collective."""
-        if self.same:
-            return values
-        arrived = values if comm.size == 1 else swap(comm, values, *self.counts)
-        found = np.zeros((len(self.keys), *values.shape[1:]), values.dtype)
-        found[self.place] = arrived
-        return found
+#: What a checkpoint has: two numbers, the lengths of these parts, and displacements at the last
+#: search, facets near others, those that move, facets, bodies and next facets of candidates, and
+#: what is known of their patches.
+_NUMBERS, _PARTS = 2, 5
 
 
 class Proximity:
@@ -99,8 +63,8 @@ class Proximity:
 
     Attributes
     ----------
-    near : Near
-        What may meet.
+    facets : (n,) int64 or None
+        All facets of clusters that may meet others; None before the first search.
     candidates : (n,) NEAR_FACET
         Facets near another body, by patch and body, with the nearest facet there: those of the
         rank's groups.
@@ -122,9 +86,10 @@ class Proximity:
 
     def __init__(self, scene: Scene, comm: Communicator, walls: SeparatingWalls) -> None:
         self.scene, self.comm, self.walls, self.call = scene, comm, walls, Bound()
-        self.near: Near | None = None
+        self.facets: np.ndarray | None = None
         self.candidates, self._moving = no_facets(0), np.empty(0, np.int64)
-        self._found = self.candidates, np.empty(0, np.int64)  # of all ranks, and which are its own
+        # Candidates of all ranks, what is known of their patches, and which of both are its own.
+        self._found = self.candidates, np.empty((0, KNOWN)), *np.empty((2, 0), np.int64)
         self.labels, self.root = np.empty(0, np.int64), 0
         self.groups: Groups
         self.share: Share
@@ -136,10 +101,16 @@ class Proximity:
         self._travel = TRAVEL
         self.reach = float(self._reach().max())
         self.met = np.empty((0, 2), np.int64)
-        self._pause, self._moved, self._walked = 0, 0.0, 2.0 * WALK
+        self._moved = 0.0
         self._records = np.empty(0, np.int64)
-        self._poses: bytes | None = None
-        self._soft = 0  # facets of the share that are not rigid
+        self.patches = Patches(
+            np.zeros(1, np.int64), np.empty(0, np.int64), np.empty(0, np.uint8), np.empty(0),
+            np.empty((0, KNOWN)),
+        )  # fmt: skip
+        # Facets that are moved in a step; the first of each patch, and which patches they are of.
+        self._chosen, self._first = np.empty((2, 0), np.int64)
+        self._marks = np.empty((2, 0), np.uint8)
+        self._now = np.zeros((1, KNOWN))
         self._window: object = None
         self._before = np.empty((0, 3))  # displacements of all surface vertices at the last search
         self._restored = np.empty(0)
@@ -154,7 +125,7 @@ class Proximity:
 
     def restart(self) -> None:
         """Search in the next step: the surfaces have changed."""
-        self._pause, self._window, self.near = 0, None, None
+        self._moved, self._window, self.facets = np.inf, None, None
 
     def relocate(self) -> None:
         """Note that vertices have changed ranks, perhaps. This is no reason to search."""
@@ -167,14 +138,14 @@ class Proximity:
         Collective. It is state: in a concave corner the facet next to another may depend on where
         the way to it begins.
         """
-        if self.near is None:
+        if self.facets is None:
             return np.empty(0)
-        every = self._everyone()
+        every, known = self._everyone()
         if self.comm.rank != self.root:
             return np.empty(0)
-        parts = (self._before.reshape(-1), self.near.facets, self._moving,
-                 *(every[name] for name in _KEPT))  # fmt: skip
-        numbers = [self._pause, self._moved, self._walked, self._travel]
+        of = np.stack([every["facet"], every["body"], every["other"]], axis=1)
+        parts = self._before.ravel(), self.facets, self._moving, of.ravel(), known.ravel()
+        numbers = [self._moved, self._travel]
         return np.concatenate([numbers, list(map(len, parts)), *parts])
 
     def restore(self, state: np.ndarray) -> None:
@@ -188,42 +159,34 @@ class Proximity:
         sizes = state[_NUMBERS:head].astype(np.int64)
         if sizes[0] != 3 * len(table.keys) or len(state) != head + sizes.sum():
             return
-        before, *parts = np.split(state[head:], np.cumsum(sizes[:-1]))
-        facets, self._moving, *every = (part.astype(np.int64) for part in parts)
-        self._pause = int(state[0])
-        self._moved, self._walked, self._travel = state[1:_NUMBERS].tolist()
+        before, facets, moving, found, known = np.split(state[head:], np.cumsum(sizes[:-1]))
+        self.facets, self._moving = facets.astype(np.int64), moving.astype(np.int64)
+        self._moved, self._travel = state[:_NUMBERS].tolist()
         self._before = before.reshape(-1, 3)
-        found = no_facets(len(every[0]))
-        for name, values in zip(_KEPT, every, strict=True):
-            found[name] = values
-        self._find_root(rank)
-        self._locate(rank, table, facets)
-        self._divide(table, found)
+        every = candidates_of(table.every, found.astype(np.int64).reshape(-1, 3))
+        self._found = every, known.reshape(-1, KNOWN), *np.empty((2, 0), np.int64)
+        self.candidates, self.patches = every[:0], Patches.of(table.every, every[:0])
+        self._locate(rank, table)
 
-    def _locate(self, rank: RankState, table: Table, facets: np.ndarray | None = None) -> None:
-        """Find the records of vertices, those near others on all ranks, and the root; collective.
-
-        `facets` are those that may meet others, by default as they were.
-        """
-        self._window, near = rank.grid.window, self.near
+    def _locate(self, rank: RankState, table: Table) -> None:
+        """Find the records of vertices, the root, and the rank's share as it was; collective."""
+        self._window = rank.grid.window
         self._records = records_of(rank, table.numbers)
-        if facets is not None:
-            self.near = self._select(table, facets)
-        elif near is not None:
+        if self.facets is not None:
             self._find_root(rank)
-            self.near = self._select(table, near.facets)
-            self._divide(table, self._everyone())
+            self._divide(table, *self._everyone())
 
     def everyone(self) -> tuple[np.ndarray, np.ndarray]:
         """The candidates of all ranks, and the facets near others; collective."""
-        return self._everyone(), self._moving
+        return self._everyone()[0], self._moving
 
-    def _everyone(self) -> np.ndarray:
-        """The candidates of all ranks; collective."""
-        every, mine = self._found
-        for numbers, others in self.comm.allgather((mine, self.candidates["other"])):
-            every["other"][numbers] = others
-        return every
+    def _everyone(self) -> tuple[np.ndarray, np.ndarray]:
+        """The candidates of all ranks, and what is known of their patches; collective."""
+        every, known, mine, here = self._found
+        own = mine, self.candidates["other"], here, self.patches.known
+        for numbers, others, patches, rows in self.comm.allgather(own):
+            every["other"][numbers], known[patches] = others, rows
+        return every, known
 
     def _find_root(self, rank: RankState) -> None:
         """Find the rank with the first layer; collective."""
@@ -231,20 +194,20 @@ class Proximity:
         first = slab.layers and (slab.lower is None or slab.first == self.scene.domain.ring)
         self.root = -int(greatest(self.comm, -self.comm.rank if first else -self.comm.size))
 
-    def _everywhere(self, own: np.ndarray, u: np.ndarray) -> np.ndarray:
-        """Displacements of all surface vertices, given those of the mask `own`; collective."""
-        found = np.zeros((len(own), 3))
-        found[own] = u
+    def all_displacements(
+        self, rank: RankState, table: Table, records: np.ndarray | None = None
+    ) -> np.ndarray:
+        """Displacements of all surface vertices, (v, 3) float64; collective.
+
+        `records` are theirs, see `records_of`; they are found if they may have changed.
+        """
+        records = records_of(rank, table.numbers) if records is None else records
+        own, found = np.flatnonzero(records >= 0), np.zeros((len(records), 3))
+        found[own] = rank.grid.kept.values.reshape(-1, RECORD)[records[own], U]
         if self.comm.size > 1:
-            for some, values in self.comm.allgather((np.flatnonzero(own), u)):
+            for some, values in self.comm.allgather((own, found[own])):
                 found[some] = values
         return found
-
-    def all_displacements(self, rank: RankState, table: Table) -> np.ndarray:
-        """Displacements of all surface vertices, (v, 3) float64; collective."""
-        records = records_of(rank, table.numbers)
-        own, motion = records >= 0, rank.grid.kept.values.reshape(-1, RECORD)
-        return self._everywhere(own, motion[records[own], U])
 
     def update(
         self, rank: RankState, table: Table, acts: np.ndarray, rigid: Any, dt: float, rate: float
@@ -267,65 +230,58 @@ class Proximity:
             self._continue(rank, table)
         if self._window is not rank.grid.window:
             self._locate(rank, table)
-            divided = self.near is not None
-        self._moved += rate * dt
-        self._pause -= 1
-        if self._pause >= 0:
-            return divided
-        own = self._records >= 0
-        motion = rank.grid.kept.values.reshape(-1, RECORD)[self._records[own]]
-        inverse, D = np.array(rank.grid.frame.inverse), self.scene.dimension
-        speed = np.abs(motion[:, KEPT_VELOCITY : KEPT_VELOCITY + D]) * inverse
-        travel = max(greatest(self.comm, float(speed.max(initial=0.0))), rate) * dt
-        moved = np.inf
-        if self.near is not None:
-            away = np.abs(motion[:, U] - self._before[own])[:, :D] * inverse
-            moved = float(away.max(initial=0.0))
-        left = self._travel - max(greatest(self.comm, moved), self._moved)
-        if left > 4.0 * travel:
-            self._pause = int(min(LONGEST, left / travel if travel > 0.0 else LONGEST)) - 1
-            return divided
-        self._before, self._moved = self._everywhere(own, motion[:, U]), 0.0
-        self._walked = 2.0 * WALK
-        self._travel = float(np.clip(_AHEAD * LONGEST * travel, _LEAST, TRAVEL))
-        self._pause = int(max(1.0, min(LONGEST, self._travel / max(travel, 1e-300)))) - 1
+            divided = self.facets is not None
+        # Each step looks: what is at rest may be pushed, and steps may become longer.
+        if self.facets is not None:
+            way = max(self.way(rank, self._before, dt), self._moved + rate * dt)
+            if greatest(self.comm, way) <= self._travel:
+                self._moved += rate * dt
+                return divided
+        self._before, self._moved = self.all_displacements(rank, table, self._records), rate * dt
+        travel = greatest(self.comm, max(self.way(rank, NOWHERE, dt), rate * dt))
+        self._travel = float(np.clip(_AHEAD * travel, _LEAST, TRAVEL))
         self._find_root(rank)
         boxes, reach = self.boxes(rank, table, rigid), self._reach()
         call, scene, walls = self.call, self.scene, self.walls
         meeting = find_meeting_clusters(call, scene, walls, table, acts, boxes, reach)
-        facets = table.facets(np.unique(meeting.pairs))
-        near = np.unique(np.concatenate([facets, *meeting.on_walls.values()]))
-        self.near = self._select(table, near)
-        u, found, self._moving = self.displacements(rank, self.near), no_facets(0), near[:0]
-        if u is not None and needed(self.near.any):
-            of = table.surface, self.near.cells, u, self.near.facets, self.scratch
+        near = marked(len(table.surface.x), [meeting.facets, *meeting.on_walls.values()])
+        found, self.facets, self._moving = np.empty((0, 3), np.int64), near, near[:0]
+        if needed(len(near)):
+            u = np.pad(self._before, ((0, 0), (0, 1)))
+            of = table.surface, table.cells, u, near, self.scratch
             call(move_facets, scene.domain.frame, rigid, *of)
-            found, self._moving = find_candidates(call, scene, walls, table, acts, meeting, reach)
-            found = joined(table, found)
-            travel = np.inf if scene.case.output.surface else self._travel
-            self._moving = moving_of(table, found, travel, self._moving)
-        found, self._moving = self.comm.bcast((found, self._moving), self.root)
-        self._divide(table, found)
+            part = self.comm.rank, self.comm.size
+            parts = self.comm.allgather(
+                find_candidates(call, scene, walls, table, acts, meeting, reach, part)
+            )
+            found = np.concatenate([each[0] for each in parts])
+            self._moving = marked(len(table.surface.x), [each[1] for each in parts])
+        every = candidates_of(table.every, joined(table, candidates_of(table.surface, found)))
+        travel = np.inf if scene.case.output.surface else self._travel
+        self._moving = moving_of(table, every, travel, self._moving)
+        self._divide(table, every, Patches.of(table.every, every).known)
         return True
 
-    def moved_facets(self, rigid: Any) -> np.ndarray:
-        """The share's facets that have moved since this was last asked: all but resting rigid ones.
+    def awake(
+        self, laws: Contact, table: Table, u: np.ndarray, values: np.ndarray, dt: float
+    ) -> tuple[Patches, np.ndarray]:
+        """The patches that may have a pair in a step, and the facets to be moved for them.
 
-        Those of rigid bodies come last.
+        `u` and `values` are displacements of the share's vertices, (v, 4), and their records.
         """
-        moving = self.share.moving
-        if not len(rigid):
-            return moving
-        poses = rigid.motion["centre"].tobytes() + rigid.motion["rotation"].tobytes()
-        rests, self._poses = poses == self._poses, poses
-        return moving[: self._soft] if rests and not needed(0) else moving
+        share, patches = self.share, self.patches
+        moving = share.moving, self._first, table.around, self._marks, self._chosen
+        awake, moves = self.call(
+            find_awake, self.scene.domain.frame, laws, table.every, (share.cells, u, values), dt,
+            (self.candidates, patches), moving, (self.scratch[0], self._now),
+        )  # fmt: skip
+        return patches.first(awake), self._chosen[:moves]
 
-    def walks(self, travel: float) -> bool:
-        """Whether facets next to others are to be found anew, given a step's travel in cells."""
-        self._walked += travel
-        again = bool(self._walked > WALK)
-        self._walked = 0.0 if again else self._walked
-        return again
+    def way(self, rank: RankState, before: np.ndarray, dt: float) -> float:
+        """See `greatest_way`; of the rank's vertices of surfaces."""
+        return float(
+            self.call(greatest_way, rank.grid.frame, self._records, rank.grid.kept, before, dt)
+        )
 
     def has(self, bodies: np.ndarray) -> np.ndarray:
         """Mask of the pairs of bodies, (n, 2), in the rank's groups; on the root those in none."""
@@ -335,100 +291,34 @@ class Proximity:
         found[some] = groups.rank[groups.number(bodies[some])]
         return found == self.comm.rank
 
-    def _divide(self, table: Table, every: np.ndarray) -> None:
-        """Find the groups of all candidates, and the rank's share; collective."""
-        surface, facet = table.every, every["facet"]
-        bodies = np.column_stack([surface.body[facet], every["body"]])
-        count = len(self.labels)
-        met, of = np.unique(bodies[:, 0] * count + bodies[:, 1], return_inverse=True)
-        self.met = np.column_stack(np.divmod(met, count))
-        self.groups = find_groups(self.labels, self.met, of, surface.x[facet, 0], self.comm.size)
+    def _divide(self, table: Table, every: np.ndarray, known: np.ndarray) -> None:
+        """Find the groups of all candidates, and the rank's share; collective.
+
+        `known` is of their patches, see `Patches`.
+        """
+        surface, count = table.every, len(self.labels)
+        start = Patches.of(surface, every).start
+        first = every[start[:-1]]
+        met = surface.body[first["facet"]] * count + first["body"]
+        met, of = np.unique(met, return_inverse=True)
+        self.met, size = np.column_stack(np.divmod(met, count)), np.diff(start)
+        of, x = np.repeat(of, size), surface.x[every["facet"], 0]
+        self.groups = find_groups(self.labels, self.met, of, x, self.comm.size)
         if self.alone:
             self.groups.rank[:] = self.root
         own = self.groups.rank[self.groups.number(self.met)] == self.comm.rank
-        mine = np.flatnonzero(own[of])
-        self.candidates, self._found = every[mine], (every, mine)
-        group = self.groups.of[surface.body[self._moving]]
-        joins, surface.now[:] = group >= 0, np.inf
-        rank = np.where(joins, self.groups.rank[group], self.comm.rank)
-        used = np.full(len(table.keys), -1)
-        for each in range(self.comm.size):
-            used[self._vertices(table, self._moving[joins & (rank == each)])[0]] = each
-        own = np.flatnonzero((used >= 0) & (self._records >= 0))
-        own = own[np.argsort(used[own], kind="stable")]
-        parts = self.comm.allgather((own, np.bincount(used[own], minlength=self.comm.size)))
-        here = self.comm.rank
-        get = [each[used[each] == here] for each, _ in parts]
-        marks, cells = self._vertices(table, self._moving[rank == here])
-        number = np.cumsum(marks) - 1
-        mapped = cells._replace(corners=number[cells.corners], column=number[cells.column])
-        place, keys = number[np.concatenate(get)], table.keys[marks]
-        same = self.comm.size == 1 and np.array_equal(place, np.arange(len(keys)))
-        self.share = Share(
-            self._moving[rank == here], mapped, keys, self._records[own], table.keys[own],
-            np.array([parts[here][1], [len(each) for each in get]]), place, same,
-            _vertices_of(surface, mapped, self._moving[rank == here]),
-        )  # fmt: skip
-        self._poses = None
-        self._soft = int((surface.cell[self.share.moving] >= 0).sum())
+        mine, patch_of = np.flatnonzero(own[of]), np.repeat(np.arange(len(size)), size)
+        here = np.unique(patch_of[mine])
+        self.candidates = every[mine] if self.comm.size > 1 else every
+        self._found = every, known, mine, here
+        surface.now[:] = np.inf
+        self.share = share_of(self.comm, table, self._moving, self.groups, self._records)
+        self.patches = Patches.of(surface, self.candidates)._replace(known=known[here])
+        patches, moving = len(table.around[0]) - 1, self.share.moving
+        self._chosen, self._marks = np.empty_like(moving), np.zeros((2, patches), np.uint8)
+        self._first = np.searchsorted(surface.patch[moving], np.arange(patches + 1))
         room = PIECES * len(mine)
         room += _MORE_PIECES * int((self.candidates["facet"] >= len(table.wide)).sum())
         if len(self.scratch[-1][0]) < room:
             kept = kept_of(self.scene.dimension, room * 5 // 4)
             self.scratch = (*self.scratch[:-1], kept)
-
-    def _select(self, table: Table, facets: np.ndarray) -> Near:
-        """The cells and vertices of facets that may meet others; collective."""
-        marks, cells = self._vertices(table, facets)
-        number = np.cumsum(marks) - 1
-        # Cells of others have vertices of any number: they are not looked at.
-        mapped = cells._replace(corners=number[cells.corners], column=number[cells.column])
-        own = np.flatnonzero(marks & (self._records >= 0))
-        every = self.comm.allgather(number[own])
-        return Near(
-            len(facets) > 0, facets, mapped, table.keys[marks], self._records[own], number[own],
-            np.concatenate(every), np.array([len(each) for each in every]),
-        )  # fmt: skip
-
-    def _vertices(self, table: Table, facets: np.ndarray) -> tuple[np.ndarray, SurfaceCells]:
-        """Mask of the vertices that move some facets; all cells."""
-        cells = table.cells
-        marks, used = np.zeros(len(table.keys), bool), np.zeros(len(cells.low), bool)
-        some = table.every.cell[facets]
-        used[some[some >= 0]] = True
-        for _ in range(self.scene.dimension - 1):  # facets may reach into cells beside
-            beside = cells.beside[used]
-            used[beside[beside >= 0]] = True
-        marks[cells.corners[used].reshape(-1)] = True
-        marks[cells.column[np.repeat(used, np.diff(cells.start))]] = True
-        return marks, cells
-
-    def displacements(self, rank: RankState, near: Near) -> np.ndarray | None:
-        """Displacements of the near vertices, (v, 4), on the root; collective."""
-        values = rank.grid.kept.values.reshape(-1, RECORD)
-        return self.on_root(near, np.ascontiguousarray(values[near.records, U4]))
-
-    def on_root(self, near: Near, values: np.ndarray) -> np.ndarray | None:
-        """What all ranks have at their near vertices, on the root; collective."""
-        found = np.zeros((len(near.keys), *values.shape[1:]), values.dtype)
-        if self.comm.size == 1:
-            found[near.own] = values
-            return found
-        sent, received = np.zeros((2, self.comm.size), np.int64)
-        sent[self.root] = len(values)
-        if self.comm.rank == self.root:
-            received[:] = near.counts
-        arrived = swap(self.comm, values, sent, received)
-        if self.comm.rank != self.root:
-            return None
-        found[near.every] = arrived
-        return found
-
-
-def _vertices_of(surface: Surface, cells: SurfaceCells, facets: np.ndarray) -> np.ndarray:
-    """Bodies, and the vertices of the cells of some of their facets, each once, (n, 2)."""
-    cell, at = np.unique(surface.cell[facets], return_index=True)
-    body, corners = surface.body[facets[at[cell >= 0]]], cells.corners[cell[cell >= 0]]
-    count = 1 + int(corners.max(initial=0))
-    pairs = np.unique(body[:, None] * count + corners)
-    return np.column_stack(np.divmod(pairs, count))

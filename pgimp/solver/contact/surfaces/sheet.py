@@ -8,17 +8,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pgimp.jit.bound import Bound
-from pgimp.kernels.contact.surfaces.data import Surface, no_facets
+from pgimp.kernels.contact.surfaces.data import Patches, Surface
 from pgimp.kernels.contact.surfaces.gaps import find_gaps
 from pgimp.kernels.contact.surfaces.loads import HEAT, IMPULSE, PRESSED, SLIP
 from pgimp.kernels.contact.surfaces.motion import move_facets
-from pgimp.kernels.contact.surfaces.search import find_meeting
 from pgimp.scene.bodies.facet_polygons import Polygons, polygons_of
 from pgimp.scene.bodies.surface_patches import Facets
-from pgimp.solver.contact.grown import grown
+from pgimp.solver.contact.surfaces.candidates import candidates_of, find_facets
 from pgimp.solver.contact.surfaces.contact import SurfaceContact
-from pgimp.solver.contact.surfaces.smooth import Smoothed, smooth
-from pgimp.solver.contact.surfaces.table import Table, sorted_bins
+from pgimp.solver.contact.surfaces.loads import Smoothed, smooth
+from pgimp.solver.contact.surfaces.table import Table
 from pgimp.solver.contact.surfaces.wide import parted
 from pgimp.solver.rank_state import RankState
 
@@ -106,18 +105,17 @@ class Sheets:
         u, laws = np.pad(u, ((0, 0), (0, 1))), contact.laws._replace(rigid_bodies=rigid)
         moving = moving[moving < len(found)]
         call(move_facets, frame, rigid, surface, table.cells, u, moving, scratch)
-        reach, acts = (proximity.reach, frame.cell[0]), np.ascontiguousarray(contact.acts.T)
-        some, bins = sorted_bins(surface.now, moving, reach[0], rank.scene.dimension)
-        marks, count = np.zeros(len(found), np.uint8), len(acts)
-        best = np.full(count, np.inf), np.empty(count, np.int64), np.empty(count, np.int64)
-        others, number = grown(
-            2 * len(moving) + 16,
-            no_facets,
-            lambda room: call(find_meeting, surface, acts, some, bins, reach, marks, best, room),
+        acts, marks = np.ascontiguousarray(contact.acts.T), np.zeros(len(found), np.uint8)
+        others = candidates_of(
+            surface,
+            find_facets(call, surface, acts, moving, frame.cell[0], proximity.reach, (0, 1), marks),
         )
-        for every in (parted(table, candidates)[0], others[:number]):
-            call(find_gaps, frame, laws, proximity.walls, surface, (table.cells, u), scratch,
-                 (proximity.far, True, np.full(len(acts), -1.0)), every)  # fmt: skip
+        for every in (parted(table, candidates)[0], others):
+            both = every, Patches.of(surface, every, -1.0)
+            call(
+                find_gaps, frame, laws, proximity.walls, surface, (table.cells, u), scratch,
+                proximity.far, both,
+            )  # fmt: skip
             some = every[np.isfinite(every["gap"])]
             np.fmin.at(found, some["facet"], some["gap"])
             if every is not others:  # of a body that meets itself one side looks for the other

@@ -62,13 +62,16 @@ class Table(NamedTuple):
     corner: np.ndarray
     #: (k, D) int64: Periods of the domain from these vertices to the cells' corners.
     turns: np.ndarray
+    #: ((patches + 1,) int64, (k,) int64): Patches beside each, with facets beside its own.
+    around: tuple[np.ndarray, np.ndarray]
     every: Surface  #: The same facets, in the same memory, and after them wide ones.
     wide: np.ndarray  #: (n,) int64: The wide one that each facet is part of, or -1.
 
     def facets(self, clusters: np.ndarray) -> np.ndarray:
         """The facets of some clusters."""
-        every = [self.members[self.first[c] : self.first[c + 1]] for c in clusters.tolist()]
-        return np.concatenate([np.empty(0, np.int64), *every])
+        begin, count = self.first[clusters], self.first[clusters + 1] - self.first[clusters]
+        at = np.arange(count.sum()) + np.repeat(begin - np.cumsum(count) + count, count)
+        return self.members[at]
 
 
 def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
@@ -135,7 +138,7 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     return Table(
         surface, cells, numbers, keys, first, members, body[members[first[:-1]]],
         np.ascontiguousarray(owner), np.ascontiguousarray(corner), np.stack(turns, axis=1),
-        whole, wide,
+        _around(facets.patch, start, beside), whole, wide,
     )  # fmt: skip
 
 
@@ -332,11 +335,12 @@ def bins_of(x: np.ndarray, side: float, D: int) -> tuple[np.ndarray, np.ndarray]
     return key_of, strides
 
 
-def sorted_bins(
-    x: np.ndarray, some: np.ndarray, side: float, D: int
-) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
-    """Some facets by bins, and these, see `find_meeting`; `x` are the centroids of all."""
-    x = x[some]
-    key_of, strides = bins_of(x, side, D)
-    order = np.argsort(key_of, kind="stable")
-    return some[order], (key_of[order], x[order], strides, np.empty((2, 9), np.int64))
+def _around(
+    patch: np.ndarray, start: np.ndarray, beside: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Patches beside each patch, given those of facets, see `Table`, and neighbours of these."""
+    count = 1 + int(patch.max(initial=-1))
+    own, other = np.repeat(patch, np.diff(start)), patch[beside]
+    keys = np.unique((own * count + other)[own != other])
+    own, other = np.divmod(keys, max(count, 1))
+    return np.concatenate([[0], np.cumsum(np.bincount(own, minlength=count))]), other

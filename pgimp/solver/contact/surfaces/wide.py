@@ -96,7 +96,7 @@ def with_wide(
 
 
 def joined(table: Table, every: np.ndarray) -> np.ndarray:
-    """Candidates by patch and body, with wide facets where all parts lie on one plane.
+    """Candidates, with wide facets where all parts lie on one plane; as of `candidates_of`.
 
     Normals are those of the last search: what tilts by a hundredth keeps small facets.
     """
@@ -108,7 +108,7 @@ def joined(table: Table, every: np.ndarray) -> np.ndarray:
     faces[before] = np.where(surface.tip[other[before]] & FLAT, -turned.sum(axis=1), 0.0)
     some = np.flatnonzero((table.wide[facet] >= 0) & (faces > _PARALLEL))
     if not len(some):
-        return every
+        return _triples(every)
     wide = table.wide[facet[some]]
     first, of = distinct(np.column_stack([wide, every["body"][some]]))
     before = other[some[first]][of]
@@ -125,7 +125,12 @@ def joined(table: Table, every: np.ndarray) -> np.ndarray:
     kept = some[first[good]]
     gone[kept] = False
     found["facet"][kept], found["other"][kept] = wide[first[good]], other[some[middle[good]]]
-    return found[~gone]
+    return _triples(found[~gone])
+
+
+def _triples(every: np.ndarray) -> np.ndarray:
+    """Facets, bodies, and the facets next to the first, (n, 3) int64."""
+    return np.stack([every["facet"], every["body"], every["other"]], axis=1)
 
 
 def parted(table: Table, every: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -145,7 +150,7 @@ def parted(table: Table, every: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def moving_of(table: Table, every: np.ndarray, travel: float, moving: np.ndarray) -> np.ndarray:
-    """Facets that are to be moved for some candidates, of those that may be; rigid ones last.
+    """Facets that are to be moved for some candidates, of those that may be; by patch.
 
     Near those next to others are all that may become so: bodies move by `travel` cells. If that is
     inf, all may.
@@ -162,4 +167,4 @@ def moving_of(table: Table, every: np.ndarray, travel: float, moving: np.ndarray
     marks[every["facet"][every["facet"] < len(marks)]] = True
     wide = np.unique(every["facet"][every["facet"] >= len(marks)])
     found = np.concatenate([moving[marks[moving]], wide])
-    return found[np.argsort(table.every.cell[found] < 0, kind="stable")]
+    return found[np.argsort(table.every.patch[found], kind="stable")]

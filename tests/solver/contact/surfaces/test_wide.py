@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scenes import SOFT, box, field, scene, start
 
+from pgimp.kernels.contact.surfaces.data import Patches
 from pgimp.kernels.contact.surfaces.nearest import FLAT
 from pgimp.physics.columns import SURFACE
 
@@ -118,7 +119,7 @@ def test_a_rank_without_candidates_solves_for_nothing():
     proximity = sim.rank.contact.proximity
     before, time = sim.diagnostics()["momentum-z"], sim.time
     proximity.candidates = proximity.candidates[:0]
-    proximity._found = proximity._found[0], proximity._found[1][:0]
+    proximity.patches = Patches.of(sim.rank.contact.known(sim.rank).every, proximity.candidates)
     sim.advance()
     after = sim.diagnostics()
     fallen = after["mass"] * 9.81 * (sim.time - time)

@@ -49,6 +49,7 @@ from rank_scenes.passing import passing
 from rank_scenes.periods import (
     endless,
     layer,
+    mixed_flows,
     mixed_round,
     rigid_round,
     round_and_round,
@@ -127,6 +128,7 @@ SCENES = (
             surface_round,
             mixed_rings,
             mixed_round,
+            mixed_flows,
             initial_lattice,
             averaged_lattice,
             averaged_contact,

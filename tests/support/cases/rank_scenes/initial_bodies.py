@@ -460,7 +460,7 @@ def both_configurations():
         materials=PAIR | {"water": water},
         gravity=[0.0, -1.0],
         boundaries={"y-min": {"unilateral": {"friction": 0.2}}, "x-min": "slip"},
-        escape={"x-max": "remove", "y-max": "remove"},
+        outflow={"x-max": "remove", "y-max": "remove"},
         contact=[{"bodies": "all", "friction": 0.3}],
         constraints={"grip": held | {"velocity": [None, {"table": [[0.0, 0.0], [1.0, 1.0]]}]}},
         output={"every": 0.25, "fields": EVERYTHING, "grid": GRID},

@@ -198,3 +198,38 @@ def mixed_round():
     )
     case["time"]["stages"] = [{"name": "later", "end": 1.0, "remove": ["goes"]}]
     return case
+
+
+def mixed_flows():
+    """Water and sand in a tank with rough walls that let go; gates, which are initial, in them.
+
+    These meet each other at vertices, with friction; gradients are carried, and cells have means.
+    """
+    initial = {"formulation": "total-lagrangian"}
+    water = {"model": "newtonian", "bulk": 200.0, "density": 1.0, "shear-viscosity": 1e-3}
+    sand = SOFT | {"model": "drucker-prager", "cohesion": 0.0, "friction-angle": 30.0,
+                   "dilation-angle": 0.0}  # fmt: skip
+    bodies = {
+        "water": box([0.0, 0.0], [4.0, 4.6], None, "water"),
+        "sand": box([4.0, 0.0], [7.6, 3.0], [1.0, 0.0], "sand"),
+        "gate": box([7.7, 0.4], [9.2, 4.4], None, "stiff") | initial,
+        "stone": box([10.3, 0.0], [12.6, 2.2], [-3.0, 0.0]),
+        "lid": box([4.4, 3.2], [6.7, 4.7], [0.0, -2.0], "stiff") | initial,
+    }
+    faces = {"x-min": "slip", "y-min": {"separating": {"friction": 0.3}},
+             "x-max": {"separating": {"friction": 0.1}}}  # fmt: skip
+    case = scene(
+        2,
+        bodies,
+        cells=[15, 7],
+        end=0.7,
+        step={"courant": 0.3},
+        materials=PAIR | {"water": water, "sand": sand},
+        gravity=[0.0, -1.0],
+        boundaries=faces,
+        contact=[{"bodies": "all", "friction": 0.3}],
+        output={"every": 0.35, "fields": EVERYTHING},
+        history={"every": {"steps": 10}},
+    )
+    case["method"] |= {"affine": True, "volumetric": "b-bar"}
+    return case

@@ -1,0 +1,218 @@
+"""Patches that may meet another body in a step: others rest until what was between them is used up.
+
+When the facets next to a patch are found, so is the way by which patch and other body have to come
+nearer until a gap can close. In the steps after, of both only the middle facets are looked at: how
+they have moved relative to each other, and how the cells there have turned and strained, in
+directions that the other body's surface carries along. So bodies that move together cost little,
+however fast they are. They are looked at in every step: what is at rest may be pushed in the next.
+"""
+
+from math import inf, sqrt
+
+from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
+from pgimp.jit.vectors.rows import load_row
+from pgimp.jit.vectors.simd import lane, pack, vector
+from pgimp.kernels.contact.surfaces.data import CLEAR, KNOWN, PLACE, turns
+from pgimp.kernels.contact.surfaces.levels import law_of
+from pgimp.kernels.contact.surfaces.motion import (
+    cofactors,
+    cross,
+    gradient,
+    rigid_position,
+    set_polynomial,
+    turned_normal,
+)
+from pgimp.kernels.rigid.bodies import arm_of
+
+#: Cells by which a patch moves beside another body before the facets next to it are found anew.
+WALK = 1e-4
+
+#: Cells from the middle facet of a patch to what is around it, and meets it; and over the greatest
+#: distance between vertices of a cell and its middle.
+_AROUND, _BEYOND = 1.0, 2.0
+
+#: `side` of the middle facet of a patch that rests.
+RESTS = -2
+
+
+@inlined
+def _rigid_state(rigid_bodies, surface, f, cell):
+    """See `_state`."""
+    zero = vector(0.0)
+    if not is_record(rigid_bodies):
+        return zero, zero, (zero, zero, zero), 0.0
+    x, t = rigid_position(rigid_bodies, surface, f), surface.body[f] - rigid_bodies.bodies
+    R, v = rigid_bodies.motion[t].rotation, rigid_bodies.motion[t].velocity_after
+    w = cross(pack(v[3], v[4], v[5], 0.0), in_lanes(arm_of(rigid_bodies, t, x)))
+    return (
+        in_lanes(x), pack(v[0] + w[0], v[1] + w[1], v[2] + w[2], 0.0),
+        (in_lanes(R[:, 0]), in_lanes(R[:, 1]), in_lanes(R[:, 2])),
+        cell * sqrt(v[3] ** 2 + v[4] ** 2 + v[5] ** 2),
+    )  # fmt: skip
+
+
+@inner_kernel
+def in_lanes(v):
+    """Three components in lanes."""
+    return pack(v[0], v[1], v[2], 0.0)
+
+
+@inner_kernel
+def dot(a, b):
+    """Product of vectors in lanes."""
+    return lane(a, 0) * lane(b, 0) + lane(a, 1) * lane(b, 1) + lane(a, 2) * lane(b, 2)
+
+
+@inner_kernel
+def _state(frame, rigid_bodies, surface, moved, P, f, cell):
+    """Position and velocity of a facet, its deformation gradient, greatest velocity about it.
+
+    Vectors are in lanes, the gradient is a triple of columns. `P` is scratch.
+    """
+    D, (cells, u, values), c = len(frame.cell), moved, surface.cell[f]
+    if c < 0:
+        return _rigid_state(rigid_bodies, surface, f, cell)
+    set_polynomial(D, cells, c, u, P)
+    F, p = gradient(frame, P, surface.place[f])
+    v, mean, part, most = vector(0.0), vector(0.0), 1.0 / (1 << D), 0.0
+    for corner in range(1 << D):
+        own = load_row(values, cells.corners[c, corner], 0)
+        v, mean = surface.means[f, corner] * own + v, part * own + mean
+    for corner in range(1 << D):
+        w = load_row(values, cells.corners[c, corner], 0) - mean
+        most = max(most, dot(w, w))
+    x = surface.x[f]
+    return pack(x[0] + p[0], x[1] + p[1], x[2] + p[2], 0.0), v, F, sqrt(most)
+
+
+@inner_kernel
+def _directions(D, surface, f, F):
+    """Orthonormal directions that a facet carries along, a triple in lanes."""
+    K, _ = cofactors(F)
+    n, e = in_lanes(turned_normal(K, surface.normal[f])), surface.edges[f, 0]
+    t = e[0] * F[0] + (e[1] * F[1] + e[2] * F[2])
+    whole, square = dot(n, n), dot(t, t)
+    if not (whole > 0.0 and square > 0.0):  # in 1D
+        return pack(1.0, 0.0, 0.0, 0.0), pack(0.0, 1.0, 0.0, 0.0), pack(0.0, 0.0, 1.0, 0.0)
+    n, t = (1.0 / sqrt(whole)) * n, (1.0 / sqrt(square)) * t
+    return n, t, in_lanes(cross(n, t))
+
+
+@inner_kernel
+def _set_local(Q, v, row, k):
+    """Set components of a vector along directions, from entry `k` of a row on."""
+    row[k], row[k + 1], row[k + 2] = dot(Q[0], v), dot(Q[1], v), dot(Q[2], v)
+
+
+@inner_kernel
+def set_place(frame, rigid_bodies, surface, moved, P, both, cell, row):
+    """Set the place of one facet relative to another, and deformations there, see `KNOWN`.
+
+    Returns the velocity at which they may come nearer. The other one is below 0 at a wall.
+    """
+    D, (s, f) = len(frame.cell), both
+    x, v, F, most = _state(frame, rigid_bodies, surface, moved, P, s, cell)
+    Q = pack(1.0, 0.0, 0.0, 0.0), pack(0.0, 1.0, 0.0, 0.0), pack(0.0, 0.0, 1.0, 0.0)
+    for k in range(PLACE + 12, KNOWN):
+        row[k] = 0.0
+    if f >= 0:
+        y, w, G, more = _state(frame, rigid_bodies, surface, moved, P, f, cell)
+        Q, v, most, r = _directions(D, surface, f, G), v - w, most + more, x - y
+        x = pack(
+            lane(r, 0) - turns(surface, lane(r, 0), 0), lane(r, 1) - turns(surface, lane(r, 1), 1),
+            lane(r, 2) - turns(surface, lane(r, 2), 2), 0.0,
+        )  # fmt: skip
+        for k in range(3):
+            _set_local(Q, G[k], row, PLACE + 12 + 3 * k)
+    _set_local(Q, x, row, PLACE)
+    for k in range(3):
+        _set_local(Q, F[k], row, PLACE + 3 + 3 * k)
+    return sqrt(dot(v, v)) + _BEYOND * most
+
+
+@inner_kernel
+def _wakes(contact, surface, known, now, body, way, cell):
+    """Whether a patch of facet's body may have a pair, and whether it walks.
+
+    `known` and `now` are rows, see `KNOWN`; `way` is by how much it may come nearer in the step.
+    """
+    square, turned = 0.0, 0.0
+    for k in range(3):
+        square += (now[PLACE + k] - known[PLACE + k]) ** 2
+    for k in range(PLACE + 3, KNOWN):
+        turned += (now[k] - known[k]) ** 2
+    off = sqrt(square) + _AROUND * cell * sqrt(turned)
+    law = law_of(contact.pairs, body[0], body[1], cell, way)
+    left = known[CLEAR] - off - law[2]
+    if law[0] > 0 and not left > 0.0:
+        return True, off > WALK * cell
+    return False, False
+
+
+@kernel
+def find_awake(frame, contact, surface, moved, dt, near, moving, scratch) -> tuple[int, int]:
+    """Find the patches that may have a pair in a step, and the facets to be moved for them.
+
+    Parameters
+    ----------
+    contact : Contact
+        Laws and rigid bodies, at their positions.
+    moved : (SurfaceCells, (vertices, 4) float64, (vertices, NUMBERS) float64)
+        The cells, and of the surface vertices displacements, and records.
+    dt : float
+        The step.
+    near : ((n,) NEAR_FACET, Patches)
+        Facets near others, by patch and body. Which patches are awake, and walk, is set here.
+    moving : tuple
+        Facets that may be moved, (m,) int64, and the first of each patch, (patches + 1,); patches
+        beside each; (2, patches) uint8, which ones were moved in the step before, and 0; and
+        (m,) int64, set to the facets to be moved: of patches that are awake, and beside what they
+        meet. Where others are is no longer known.
+    scratch : ((2^D, 4) float64, (1, KNOWN) float64)
+        Scratch.
+
+    Returns
+    -------
+    tuple of 2 int
+        Numbers of patches that are awake, and of facets to be moved.
+    """
+    (every, patches), (mobile, begin, around, marks, chosen) = near, moving
+    cell, awake, found = frame.cell[0], 0, 0
+    for d in range(len(frame.cell)):
+        cell = min(cell, frame.cell[d])
+    for g in range(len(patches.start) - 1):
+        first, last = patches.start[g], patches.start[g + 1]
+        known, middle = patches.known[g], every[(first + last) // 2]
+        s, now = middle.facet, scratch[1][0]
+        of = surface, moved, scratch[0], (s, middle.other)
+        way = dt * set_place(frame, contact.rigid_bodies, *of, cell, now)
+        body = surface.body[s], middle.body
+        wakes, walks = _wakes(contact, surface, known, now, body, way, cell)
+        if not wakes:
+            if middle.side != RESTS:
+                for n in range(first, last):
+                    every[n].gap, every[n].side = inf, -1
+                middle.side = RESTS
+            continue
+        patches.awake[awake], patches.ways[awake] = g, way
+        patches.walks[awake] = 1 if walks else 0
+        awake += 1
+        marks[1, surface.patch[s]], q = 1, -1
+        for n in range(first, last):
+            p = surface.patch[every[n].other] if every[n].other >= 0 else q
+            if p == q:
+                continue
+            marks[1, p], q = 1, p
+            for k in range(around[0][p], around[0][p + 1] if walks else around[0][p]):
+                marks[1, around[1][k]] = 1
+    for p in range(marks.shape[1]):
+        some = marks[0, p] != 0 or marks[1, p] != 0
+        for n in range(begin[p], begin[p + 1] if some else begin[p]):
+            if marks[1, p] != 0:
+                chosen[found] = mobile[n]
+                found += 1
+            else:
+                for d in range(3):
+                    surface.now[mobile[n], d] = inf
+        marks[0, p], marks[1, p] = marks[1, p], 0
+    return awake, found
