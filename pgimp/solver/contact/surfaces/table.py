@@ -25,8 +25,8 @@ from pgimp.solver.contact.grown import grown
 from pgimp.solver.contact.impulses.messages import united
 from pgimp.solver.contact.surfaces.box_bodies import boxes_of
 from pgimp.solver.contact.surfaces.divided import Ends, all_facets
+from pgimp.solver.contact.surfaces.rectangles import with_wide
 from pgimp.solver.contact.surfaces.seams import closed_faces, one_period, places_with_images
-from pgimp.solver.contact.surfaces.wide import with_wide
 from pgimp.solver.lagrangian.masters import Vertices
 from pgimp.solver.rank_state import RankState
 
