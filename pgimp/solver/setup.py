@@ -85,7 +85,7 @@ def begin(
     # The state at the start: of particles, then of the vertices and grips that go on from theirs.
     if scene.case.start.stress is not None:
         set_initial_stress(scene, particles, count, comm, scene.case.start.stress)
-        particles, count = bring_home(scene, slab, comm, particles, count)
+    particles, count = bring_home(scene, slab, comm, particles, count)
     if bodies := prestressed(scene):
         rows = np.flatnonzero(np.isin(particles.body[:count], bodies))
         remember_stress(scene.setting.without_shape(), particles, rows)

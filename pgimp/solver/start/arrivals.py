@@ -161,8 +161,7 @@ class Arrivals:
             ),
         )
         self._prepare(particles, own, scene.case.staged.start)
-        if scene.case.staged.stress is not None:
-            particles, own = bring_home(scene, rank.slab, comm, particles, own)
+        particles, own = bring_home(scene, rank.slab, comm, particles, own)
         first = rank.numbered
         particles.id[:own] += first
         rank.numbered += count
