@@ -34,7 +34,10 @@ STILL = {
         "output.every=null", "history.every={steps: 100}",
         "bodies.block.formulation=updated-lagrangian",
     ],
-    "disks": ["output.every=null", "history.every={steps: 100}", "contact=[]"],
+    "disks": [
+        "output.every=null", "history.every={steps: 100}", "contact=[]", "method.affine=false",
+        "bodies.left.formulation=updated-lagrangian", "bodies.right.formulation=updated-lagrangian",
+    ],
     "vortex": ["output.every=null", "history.every={steps: 100}"],
 }  # fmt: skip
 

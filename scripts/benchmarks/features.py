@@ -43,7 +43,7 @@ def features(cells, shape="gimp"):
         "gravity as a table": {"gravity": {"table": [[0.0, gravity], [1.0, gravity]]}},
         "volume: initial": {"method": plain["method"] | {"volume": "initial"}},
         "affine": {"method": plain["method"] | {"affine": True}},
-        "relaxation": {"method": plain["method"] | {"pic-damping": 1.0}},
+        "pic-damping": {"method": plain["method"] | {"pic-damping": 1.0}},
         "viscosity": {"materials": {"solid": viscous}},
         "traction on a face": {
             "tractions": {"pull": {"body": "block", "face": "x-max", "traction": zero}}
@@ -74,7 +74,7 @@ def features(cells, shape="gimp"):
         }
     else:
         method = plain["method"] | {"affine": True, "pic-damping": 1.0}
-        names = ("Courant control", "traction on a face", "constraint", "wall: slip", "escape")
+        names = ("Courant control", "traction on a face", "constraint", "wall: slip", "outflow")
         every = {key: value for name in names for key, value in parts[name].items()}
         every |= parts["two materials"] | {"method": method}
         every["materials"] = every["materials"] | {"solid": viscous}

@@ -42,11 +42,11 @@ def test_ranks_choose_the_same_and_have_the_same_bits(folder, alone, mpirun):
     assert done.returncode == 0, done.stderr
     assert digests(folder / "three") == digests(alone.path)
     texts = [(path / "case.yaml").read_text() for path in (alone.path, folder / "three")]
-    assert texts[0] == texts[1] and texts[0].startswith("# chosen: block: configuration initial")
+    assert texts[0] == texts[1] and texts[0].startswith("# chosen: block: formulation")
 
 
 def test_log_report_and_checkpoint_say_what_was_chosen(folder, alone, capsys):
-    line = "block: configuration initial - elastic"
+    line = "block: formulation total-lagrangian - elastic"
     assert f"chosen: {line}" in (alone.path / "log.txt").read_text()
     assert main(["report", str(alone.path), "-o", str(folder / "report.html")]) == 0
     assert line in (folder / "report.html").read_text()
@@ -58,7 +58,7 @@ def test_log_report_and_checkpoint_say_what_was_chosen(folder, alone, capsys):
 def test_a_longer_run_goes_on_as_it_began(folder, alone, capsys):
     words = [str(folder / "case.yaml"), "-o", str(alone.path), "--resume"]
     assert main([*words, "--set", "time.end=1.5"]) == 0
-    assert "chosen: block: configuration initial" in capsys.readouterr().out
+    assert "chosen: block: formulation total-lagrangian" in capsys.readouterr().out
 
 
 def test_check_writes_the_choices_into_the_case(folder, capsys):

@@ -297,15 +297,19 @@ def bonded(case: Case, every_initial: Iterable[bool]) -> tuple[Data, ...]:
 
 
 def lines(case: Case) -> list[str]:
-    """Return what was chosen for a case: a line for each body, and for the scene."""
+    """Return what was chosen for a case: a line for bodies alike, and for the scene."""
     found: Mapping[Path, Choice] = case.__dict__.get("chosen", {})
-    texts = []
+    alike: dict[str, list[str]] = {}
     for name in case.bodies:
         body = [found[p] for p in (("bodies", name, key) for key in _OF_BODY) if p in found]
         if body:
             values = ", ".join(f"{one.path[-1]} {one.value}" for one in body)
             reasons = "; ".join(one.reason for one in body)
-            texts.append(f"{name}: {values} - {reasons} ({page(body[0].page)})")
+            alike.setdefault(f"{values} - {reasons} ({page(body[0].page)})", []).append(name)
+    texts = []
+    for text, names in alike.items():
+        more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+        texts.append(f"{', '.join(names[:_NAMED])}{more}: {text}")
     scene = [one for one in found.values() if one.path[0] in ("method", "time")]
     if scene:
         values = ", ".join(f"{one.path[-1]} {_text(one)}" for one in scene)

@@ -12,6 +12,7 @@ from pgimp.scene.checks import nearness
 from pgimp.scene.checks.locking import locking
 from pgimp.scene.checks.rigid_motion import motion_warnings
 from pgimp.scene.checks.supports import greatest
+from pgimp.scene.checks.validity import low_waves
 from pgimp.scene.checks.warned import Warned, warned
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ def at_start(
     yield from locking(case, poisson)
     yield from nearness.warnings(case, scenes[0].interaction.rigid_bodies)
     yield from unquiet(case)
+    yield from low_waves.warnings(case)
     yield from motion_warnings(scenes)
 
 

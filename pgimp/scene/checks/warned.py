@@ -92,5 +92,6 @@ WARNINGS = {
     "tied": Kind("start", "material is bonded to rigid bodies", "they may meet without contact"),
     "absorbing-weight": Kind("start", "absorbing faces bear no weight that begins at once",
         "gravity without a start"),
+    "low-wave": Kind("start", "low waves slow down and die", "crests of less than 0.5 cells"),
 }  # fmt: skip
 """All kinds of warnings about a case, by id."""

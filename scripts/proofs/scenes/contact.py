@@ -81,7 +81,7 @@ def contact(rng, scene):
         return
 
     def entry(bodies):
-        law = rng.choice(("friction", "friction", "friction", "tied", "ignore"))
+        law = rng.choice(("friction", "friction", "friction", "tie", "ignore"))
         found = {"bodies": bodies, "law": law}
         if law == "friction" and rng.random() < 0.7:
             most = number(rng, 0.0, 1.0)

@@ -185,7 +185,7 @@ def footing(cell, volumetric):
     """
     half = 1.0 + 0.5 * cell
     changes = {
-        "grid.cell": [cell, cell], "method.volumetric": volumetric,
+        "grid.cell": [cell, cell], "method.volumetric": volumetric, "method.affine": False,
         "bodies.strip.region.box.max": [half, 3.0],
         "bodies.strip.rigid.velocity.table": [[0.0, [0.0, 0.0]], [0.1, [0.0, -0.4 * cell]]],
     }  # fmt: skip

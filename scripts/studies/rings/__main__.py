@@ -30,12 +30,12 @@ def tube():
 
 def bar(space, volumetric):
     """Taylor's bar: length in mm, greatest plastic strain, plastic work over energy, seconds."""
-    changes = {"method.volumetric": volumetric}
+    changes = {"method.volumetric": volumetric, "method.affine": False}
     if space:
         h = 4.0e-4
         changes |= {
             "grid.cell": [h, h, h], "grid.size": [84 * h, 24 * h, 24 * h],
-            "method.shape": "finite-gimp", "method.affine": False,
+            "method.shape": "finite-gimp",
         }  # fmt: skip
     name = "taylor-bar" if space else "taylor-axisymmetric"
     sim = pgimp.Simulation(CASES / f"{name}.yaml", overrides=changes)

@@ -341,3 +341,11 @@ def test_strains_of_a_run_tell_where_another_method_is_better():
     assert not beyond(held, "body", 0.1)
     assert not beyond(pgimp.load(bare(2, block(), CLAY)), "body", 2.0)
     assert not beyond(pgimp.load(bare(2, block())), "body", 2.0)
+
+
+def test_bodies_alike_share_a_line():
+    """Three of them are named."""
+    five = {f"b{n}": box([1.0 + 2.0 * n, 1.0], [2.0 + 2.0 * n, 2.0]) for n in range(5)}
+    said = lines(pgimp.load(bare(2, five)))
+    assert said[0].startswith("b0, b1, b2 and 2 more: formulation total-lagrangian")
+    assert not said[1].startswith("b")

@@ -132,7 +132,7 @@ def test_keys_that_do_not_fit_the_dimensions(tmp_path):
     np.save(tmp_path / "z.npy", hills())
     for more, key in (
         ({"nodes": {"origin": [0.0], "spacing": [1.0, 1.0]}}, "nodes.origin"),
-        ({"part": {"min": [0.0, 0.0], "max": [1.0]}}, "part.max"),
+        ({"window": {"min": [0.0, 0.0], "max": [1.0]}}, "window.max"),
     ):
         with pytest.raises(ValueError, match=f"heights.{key}"):
             Case.model_validate(case(heights(tmp_path / "z.npy", **more)))

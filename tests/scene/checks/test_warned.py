@@ -10,6 +10,7 @@ from pgimp.mpi.comm import Serial
 from pgimp.running import forecast
 from pgimp.scene.checks import rigid_motion as rigid
 from pgimp.scene.checks import sanity
+from pgimp.scene.checks.validity import low_waves
 from pgimp.scene.checks.warned import WARNINGS
 from pgimp.solver.simulation import Simulation
 
@@ -32,6 +33,7 @@ def test_each_kind_is_given_somewhere_and_no_other():
         ("short-step", sanity.LEAST_COURANT),
         ("fast-rigid", rigid._FAST),
         ("many-frames", forecast._MANY),
+        ("low-wave", low_waves._LOW),
     ],
 )
 def test_the_bounds_are_those_of_the_checks(id, bound):

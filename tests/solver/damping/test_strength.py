@@ -59,7 +59,7 @@ def test_a_stage_does_not_rest_before_its_strength_has_acted():
     """Forces of its first step are those of the stage before, also where that one is compared."""
     case = infinite(2.0, 0.0, "mohr-coulomb")
     case["time"] |= {"step": 2e-4, "end": 9 * 2e-4}
-    case["time"]["stages"][0]["settle"]["steps"] = 100
+    case["time"]["stages"][0]["equilibrate"]["steps"] = 100
     sim = start(case)
     while sim.preparing:
         sim.advance()

@@ -97,6 +97,7 @@ class MixedContact(SurfaceContact):
     def material_gaps(self, rank: RankState, rigid: Any) -> tuple[np.ndarray, np.ndarray]:
         """See `SurfaceContact.material_gaps`."""
         assert self._material is not None
+        self._material.locate(rank, self.known(rank))
         return self._material.gaps(rank, rigid)
 
     def _meet(self, rank: RankState, update: VertexUpdate, table: Table) -> None:

@@ -91,8 +91,7 @@ class NearMaterial(Proximity):
 
     def look(self, rank: RankState, table: Table, rigid: Any, dt: float, rate: float) -> None:
         """Search, if any facets may have come near material since; collective."""
-        if self._window is not rank.grid.window:
-            self._locate(rank, table)
+        self.locate(rank, table)
         p, order = rank.population.up_to_date(), rank.population.order
         fastest = float(self.call(greatest_speed, self.scene.domain.frame, p, order)) * dt
         travel = greatest(self.comm, max(fastest, self.way(rank, NOWHERE, dt), rate * dt))
@@ -110,8 +109,10 @@ class NearMaterial(Proximity):
         self._number(rank)
         self._know_owners(rank)
 
-    def _locate(self, rank: RankState, table: Table) -> None:
-        """See `Proximity._locate`; the root has all pairs."""
+    def locate(self, rank: RankState, table: Table) -> None:
+        """See `Proximity._locate`, if vertices may have changed ranks; the root has all pairs."""
+        if self._window is rank.grid.window:
+            return
         self._window, self._records = rank.grid.window, records_of(rank, table.numbers)
         self._find_root(rank)
         if self.near is not None:

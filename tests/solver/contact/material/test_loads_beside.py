@@ -3,7 +3,7 @@
 import h5py
 import numpy as np
 import pytest
-from scenes import SOFT, box, scene, write_case
+from scenes import SOFT, box, scene, start, write_case
 
 import pgimp
 from pgimp.cli import main
@@ -75,3 +75,26 @@ def test_slip_is_the_way_and_wear_the_heat_of_friction(kinds, tmp_path):
     assert np.median(slid) > 0.7 * way  # some have not pressed all the time
     tangential = abs((frame["traction"][:, 0] * frame["area"]).sum())
     assert tangential == pytest.approx(0.2 * (frame["contact-pressure"] @ frame["area"]), rel=0.12)
+
+
+def test_gaps_are_found_where_vertices_are_after_they_have_changed_ranks():
+    """A frame may come between a change of slabs and the next step."""
+    bodies = {
+        "bed": box([1.0, 0.0], [13.0, 3.0]),
+        "block": box([3.3, 3.0], [9.3, 5.0]) | {"formulation": "total-lagrangian"},
+    }
+    sim = start(
+        scene(2, bodies, cells=[14, 8], step={"courant": 0.3}, materials={"soft": SOFT},
+              gravity=[0.0, -10.0], contact=[{"bodies": ["block", "bed"], "friction": 0.0}],
+              damping={"mass": 4.0}, boundaries={"y-min": "fixed"},
+              output={"every": 4.0, "surface": [*SURFACE]})
+    )  # fmt: skip
+    sim.advance()
+    contact, near = sim.rank.contact, sim.rank.contact._material.near
+    before = contact.material_gaps(sim.rank, contact.rigid_bodies)
+    contact._material.near = near._replace(records=near.records + 10**6)
+    contact.moved()
+    after = contact.material_gaps(sim.rank, contact.rigid_bodies)
+    assert len(before[0]) > 3
+    for one, other in zip(before, after, strict=True):
+        np.testing.assert_array_equal(one, other)
