@@ -131,7 +131,7 @@ def facets_of(
     _, first, number = np.unique(patch, return_index=True, return_inverse=True)
     away = _whole_periods(x - x[first][number.reshape(-1)], periods)
     x, middle = x - away, middle[order] - away
-    radius = 0.5 * size if len(cell) < 3 else _WIDE * np.sqrt(size / np.pi)
+    radius = radius_of(size, len(cell))
     if ring:
         r = x[:, 0].copy()
         # The centroid of a strip that weighs with its radius is farther out than its middle.
@@ -148,6 +148,11 @@ def facets_of(
         np.pad(edges, ((0, 0), (0, 0), (0, 3 - len(cell)))),
         patch,
     )
+
+
+def radius_of(area: Reals, D: int) -> Reals:
+    """Radii of discs of such areas, and some more; half-lengths in 2D."""
+    return np.asarray(0.5 * area if D < 3 else _WIDE * np.sqrt(area / np.pi))
 
 
 def _three(values: Reals) -> Reals:

@@ -14,21 +14,14 @@ from pgimp.kernels.contact.surfaces.awake import set_place
 from pgimp.kernels.contact.surfaces.data import CLEAR, turns
 from pgimp.kernels.contact.surfaces.levels import law_of
 from pgimp.kernels.contact.surfaces.motion import cofactors, gradient, set_polynomial, turned_normal
-from pgimp.kernels.contact.surfaces.nearest import approach
+from pgimp.kernels.contact.surfaces.nearest import ALIKE, FACES, STEEP, approach
 from pgimp.kernels.contact.surfaces.pressed import facing_part
-from pgimp.kernels.contact.surfaces.search import STEEP
 from pgimp.kernels.contact.surfaces.spread import (
     add_offset,
     find_pieces,
     keep_pieces,
     mean_position,
 )
-
-#: Greatest cosine between normals of facets with a gap: others are beside an edge.
-FACES = -0.03
-
-#: Least cosine between normals of facets of one face.
-_ALIKE = 0.9
 
 #: Cells by which a point may lie beside a facet's part of a box, and the same over its distance, of
 #: points before the facet and behind it: what is deep beside an edge is not in the body.
@@ -148,7 +141,7 @@ def _find_gap(frame, rigid_bodies, surface, moved, scratch, near, used):
             m, alike = surface.beside[k], 0.0
             for d in range(D):
                 alike += surface.normal[m, d] * surface.normal[f, d]
-            if alike > _ALIKE:
+            if alike > ALIKE:
                 away = _beyond(D, frame, cells, surface, c, near, m)
                 if away < least_beside:
                     least_beside, near.other = away, m

@@ -10,6 +10,13 @@ from pgimp.kernels.contact.surfaces.data import turns
 #: the square of what is above, over that of a distance of a cell.
 MEETS, OPPOSED, ASKEW = 0.3, -0.5, 4.0
 
+#: Greatest cosine between normals of facets with a gap: others are beside an edge. Cosine below
+#: which facets of a second body leave it to the first one's to look for them.
+FACES, STEEP = -0.03, -0.8
+
+#: Cosine from which on facets have no gap before a plane, and by which others may be off in it.
+ACROSS, _TURNS = FACES + 0.02, 0.02
+
 #: Cells by which facets of one body are apart in the initial state if they may meet.
 APART = 2.0
 
@@ -28,9 +35,16 @@ CLEAR = 0.15
 _BEYOND = 0.0857
 
 
-#: Mark of facets in a plane with their neighbours, and radii from their centroids within which the
-#: one that a point is over is this or one beside it.
-FLAT, _OVER = 2, 1.5
+#: Marks of facets: beside a sharp edge; in a plane with their neighbours; without neighbours that
+#: are alike and not in their plane.
+TIP, FLAT, PLANE = 1, 2, 4
+
+#: Radii from a flat facet's centroid within which the one that a point is over is this or one
+#: beside it.
+_OVER = 1.5
+
+#: Least cosine between normals of facets of one face.
+ALIKE = 0.9
 
 
 @inner_kernel
@@ -101,7 +115,7 @@ def _stays(surface, s, f):
     for d in range(3):
         way = surface.now[s, d] - surface.now[f, d]
         square += (way - turns(surface, way, d)) ** 2
-    return surface.tip[f] == FLAT and square < (_OVER * surface.radius[f]) ** 2
+    return surface.tip[f] & FLAT and square < (_OVER * surface.radius[f]) ** 2
 
 
 @inner_kernel
@@ -136,6 +150,9 @@ def approach(D, surface, near, cell, walks, farthest):
     gap = along - _OFF * surface.radius[f]
     square = along * along + _ALONG * beside + over * over
     clear = min(max(gap, sqrt(square) - farthest), CLEAR * cell)
+    second = near.body < surface.body[s]
+    if surface.tip[f] & PLANE and (same > ACROSS or (second and same < STEEP - _TURNS)):
+        return inf, clear
     if square > farthest * farthest:
         return inf, clear
     if surface.body[s] == surface.body[f] and not apart(surface, s, f, cell):

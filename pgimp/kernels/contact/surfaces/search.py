@@ -4,13 +4,19 @@ from math import inf
 
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.contact.surfaces.data import turns
-from pgimp.kernels.contact.surfaces.nearest import FLAT, apart, reluctance
+from pgimp.kernels.contact.surfaces.nearest import (
+    ACROSS,
+    ALIKE,
+    FLAT,
+    PLANE,
+    STEEP,
+    TIP,
+    apart,
+    reluctance,
+)
 from pgimp.kernels.data.motion import DISPLACEMENT, KEPT_VELOCITY
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.once.neighbours import first_not_below
-
-#: Cosine below which facets of a second body leave it to the first one's to look for them.
-STEEP = -0.8
 
 #: How far neighbours in a plane may be off: cosines of normals, and radii behind it.
 _IN_PLANE = 1e-6
@@ -60,28 +66,35 @@ def find_beside(x, body, key_of, bins, strides, radius, start, beside):
 
 
 @kernel
-def find_tips(surface, sharp):
+def find_tips(surface, sharp, near, inside):
     """Mark the facets beside a sharp edge: a neighbour's normal is nearly the opposite one.
 
-    Those in a plane with all of their neighbours, none of them across a seam, are `FLAT`. `sharp`
-    is the greatest cosine between normals at an edge.
+    Those in a plane with all of their neighbours, none of them across a seam, are `FLAT`; those
+    with none that are alike but not in it are of a `PLANE`. `sharp` is the greatest cosine between
+    normals at an edge. Sets in `inside`, (n,) bool, whether facets are in a plane with all
+    neighbours within a length `near`.
     """
     for f in range(len(surface.x)):
-        surface.tip[f] = FLAT
+        tip, inside[f] = FLAT | PLANE, True
         for k in range(surface.start[f], surface.start[f + 1]):
-            m, alike, behind, across = surface.beside[k], 0.0, 0.0, False
+            m, alike, behind, square, across = surface.beside[k], 0.0, 0.0, 0.0, False
             for d in range(3):
                 way = surface.x[m, d] - surface.x[f, d]
                 image = turns(surface, way, d)
+                square += (way - image) * (way - image)
                 across = across or image != 0.0
                 alike += surface.normal[f, d] * surface.normal[m, d]
                 behind += (way - image) * surface.normal[f, d]
+            off = abs(behind) > _IN_PLANE * surface.radius[f] or not alike > 1.0 - _IN_PLANE
+            if across or (off and square < near * near):
+                inside[f] = False
+            if across or off:
+                tip &= ~FLAT
+            if across or (off and alike > ALIKE):
+                tip &= ~PLANE
             if alike < sharp and behind < 0.0:
-                surface.tip[f] = 1
-            elif surface.tip[f] == FLAT:
-                off = abs(behind) > _IN_PLANE * surface.radius[f]
-                if across or off or not alike > 1.0 - _IN_PLANE:
-                    surface.tip[f] = 0
+                tip |= TIP
+        surface.tip[f] = tip
 
 
 @kernel
@@ -209,7 +222,7 @@ def _looks(surface, acts, cell, s, f):
     Of two bodies the second one's facets do so at its tips, which the first one's may not see.
     """
     a, b = surface.body[s], surface.body[f]
-    if acts[a, b] == 0 and (acts[b, a] == 0 or surface.tip[s] != 1):
+    if acts[a, b] == 0 and (acts[b, a] == 0 or not surface.tip[s] & TIP):
         return False
     return a != b or apart(surface, s, f, cell)
 
@@ -287,7 +300,7 @@ def find_meeting(surface, acts, some, runs, reach, marks, best, every):
                     square, b = square + reluctance(same, reach[1]), surface.body[f]
                     if same < STEEP and acts[surface.body[s], b] == 0:
                         continue
-                    if not square < inf:
+                    if not square < inf or (same > ACROSS and surface.tip[f] & PLANE):
                         continue
                     if least[b] == inf:
                         met[bodies] = b

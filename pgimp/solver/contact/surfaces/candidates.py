@@ -10,6 +10,7 @@ from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.impulses.pairs import SeparatingWalls
 from pgimp.kernels.contact.surfaces.data import Surface, no_facets
+from pgimp.kernels.contact.surfaces.nearest import ACROSS
 from pgimp.kernels.contact.surfaces.search import (
     bound_clusters,
     find_close,
@@ -181,7 +182,7 @@ def find_candidates(
         axis, side, place, *_ = walls.planes[body - walls.first].tolist()
         at = frame.origin[axis] + (place - frame.ghost) * frame.cell[axis]
         away = side * (at - surface.now[these, axis])
-        these = these[(away < reach[axis]) & (side * surface.turned[these, axis] > 0.0)]
+        these = these[(away < reach[axis]) & (side * surface.turned[these, axis] > -ACROSS)]
         marks[these] = 1
         parts.append(np.column_stack([these, np.full(len(these), body), np.full(len(these), -1)]))
     return np.concatenate(parts), np.flatnonzero(marks)

@@ -52,6 +52,7 @@ from pgimp.solver.contact.surfaces.proximity import Proximity
 from pgimp.solver.contact.surfaces.rebounds import rebounds_of
 from pgimp.solver.contact.surfaces.seams import changes_of_images
 from pgimp.solver.contact.surfaces.table import Table, bits_of, table_of
+from pgimp.solver.contact.surfaces.wide import parted
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import VertexUpdate
@@ -77,6 +78,7 @@ class SurfaceContact(ImpulseContact):
         #: SurfaceLoads or None: Loads on facets, where the case asks for frames of surfaces.
         self.loads = SurfaceLoads(comm) if scene.case.output.surface else None
         self._every = no_facets(0)
+        self._moved: Any = None  # cells, and displacements of the surface vertices
         rigid_bodies = scene.interaction.rigid_bodies
         names = [*scene.body_names, *rigid_bodies.names]
         self._watch, self._depth = OverrunWatch(scene, names), Depth(scene, names)
@@ -222,7 +224,7 @@ class SurfaceContact(ImpulseContact):
         """The pairs of surfaces in the rank's groups; collective."""
         call, grid, share, proximity = self.call, rank.grid, self._proximity.share, self._proximity
         frame, surface, cells, every = (
-            self.scene.domain.frame, table.surface, share.cells, proximity.candidates
+            self.scene.domain.frame, table.every, share.cells, proximity.candidates
         )  # fmt: skip
         values, u = (
             np.empty(len(share.records), REFERENCE_VERTEX),
@@ -230,7 +232,7 @@ class SurfaceContact(ImpulseContact):
         )
         call(read_vertices, self._holding(update), grid.field, share.sent, share.records, values, u)
         u, values = share.gather(self.comm, u), share.gather(self.comm, values)
-        dt = update.t.dt
+        dt, self._moved = update.t.dt, (cells, u)
         laws, rigid = self._contact, self.rigid_bodies
         patches, moving = proximity.awake(laws, table, u, flat(values), dt)
         call(move_facets, frame, rigid, surface, cells, u, moving, proximity.scratch)
@@ -306,7 +308,21 @@ class SurfaceContact(ImpulseContact):
         self.call(book_groups, *of, self._walls, self._books[1])
         if self.loads:
             assert self._table is not None
-            self._add_loads(pairs, coupling, solved, self._table.surface, self._every)
+            self._add_loads(pairs, coupling, solved, self._table.surface, self._parted())
+
+    def _parted(self) -> np.ndarray:
+        """The candidates of the step, with the parts of wide facets in their place."""
+        table, proximity, every = self._table, self._proximity, self._every
+        assert table is not None
+        if not (every["facet"] >= len(table.wide)).any():
+            return every
+        found, row = parted(table, every)
+        of = self.scene.domain.frame, self._contact, self._walls, table.surface, self._moved
+        near = found, Patches.of(table.surface, found, -1.0)
+        self.call(find_gaps, *of, proximity.scratch, proximity.far, near)
+        for name in ("gap", "side", "facing", "normal"):
+            found[name] = every[name][row]
+        return found
 
     def _add_loads(
         self, pairs: ContactPairs, coupling: Coupling, solved: Solved, surface: Surface,

@@ -30,6 +30,7 @@ from pgimp.solver.contact.surfaces.candidates import (
 from pgimp.solver.contact.surfaces.groups import Groups, find_groups
 from pgimp.solver.contact.surfaces.shares import Share, marked, share_of
 from pgimp.solver.contact.surfaces.table import Table, records_of
+from pgimp.solver.contact.surfaces.wide import joined, moving_of
 from pgimp.solver.rank_state import RankState
 
 #: Cells by which each body may move until the next search, at most.
@@ -41,8 +42,8 @@ _LEAST, _AHEAD = 0.02, 32.0
 #: Displacements at no search.
 NOWHERE = np.empty((0, 3))
 
-#: Pieces of facets that are kept within a step, for each candidate.
-PIECES = 3
+#: Pieces of facets that are kept within a step, for each candidate, and more for a wide one.
+PIECES, _MORE_PIECES = 3, 4
 
 U = slice(DISPLACEMENT, DISPLACEMENT + 3)
 
@@ -162,9 +163,9 @@ class Proximity:
         self.facets, self._moving = facets.astype(np.int64), moving.astype(np.int64)
         self._moved, self._travel = state[:_NUMBERS].tolist()
         self._before = before.reshape(-1, 3)
-        every = candidates_of(table.surface, found.astype(np.int64).reshape(-1, 3))
+        every = candidates_of(table.every, found.astype(np.int64).reshape(-1, 3))
         self._found = every, known.reshape(-1, KNOWN), *np.empty((2, 0), np.int64)
-        self.candidates, self.patches = every[:0], Patches.of(table.surface, every[:0])
+        self.candidates, self.patches = every[:0], Patches.of(table.every, every[:0])
         self._locate(rank, table)
 
     def _locate(self, rank: RankState, table: Table) -> None:
@@ -255,8 +256,10 @@ class Proximity:
             )
             found = np.concatenate([each[0] for each in parts])
             self._moving = marked(len(table.surface.x), [each[1] for each in parts])
-        every = candidates_of(table.surface, found)
-        self._divide(table, every, Patches.of(table.surface, every).known)
+        every = candidates_of(table.every, joined(table, candidates_of(table.surface, found)))
+        travel = np.inf if scene.case.output.surface else self._travel
+        self._moving = moving_of(table, every, travel, self._moving)
+        self._divide(table, every, Patches.of(table.every, every).known)
         return True
 
     def awake(
@@ -269,7 +272,7 @@ class Proximity:
         share, patches = self.share, self.patches
         moving = share.moving, self._first, table.around, self._marks, self._chosen
         awake, moves = self.call(
-            find_awake, self.scene.domain.frame, laws, table.surface, (share.cells, u, values), dt,
+            find_awake, self.scene.domain.frame, laws, table.every, (share.cells, u, values), dt,
             (self.candidates, patches), moving, (self.scratch[0], self._now),
         )  # fmt: skip
         return patches.first(awake), self._chosen[:moves]
@@ -293,7 +296,7 @@ class Proximity:
 
         `known` is of their patches, see `Patches`.
         """
-        surface, count = table.surface, len(self.labels)
+        surface, count = table.every, len(self.labels)
         start = Patches.of(surface, every).start
         first = every[start[:-1]]
         met = surface.body[first["facet"]] * count + first["body"]
@@ -314,6 +317,8 @@ class Proximity:
         patches, moving = len(table.around[0]) - 1, self.share.moving
         self._chosen, self._marks = np.empty_like(moving), np.zeros((2, patches), np.uint8)
         self._first = np.searchsorted(surface.patch[moving], np.arange(patches + 1))
-        if len(self.scratch[-1][0]) < PIECES * len(mine):
-            kept = kept_of(self.scene.dimension, PIECES * len(mine) * 5 // 4)
+        room = PIECES * len(mine)
+        room += _MORE_PIECES * int((self.candidates["facet"] >= len(table.wide)).sum())
+        if len(self.scratch[-1][0]) < room:
+            kept = kept_of(self.scene.dimension, room * 5 // 4)
             self.scratch = (*self.scratch[:-1], kept)

@@ -86,7 +86,7 @@ def moving_vertices(table: Table, facets: np.ndarray) -> np.ndarray:
     """Mask of the vertices that move some facets, also in the cells beside theirs."""
     cells = table.cells
     marks, used = np.zeros(len(table.keys), bool), np.zeros(len(cells.low), bool)
-    some = table.surface.cell[facets]
+    some = table.every.cell[facets]
     used[some[some >= 0]] = True
     for _ in range(cells.corners.shape[1].bit_length() - 2):  # facets may reach into cells beside
         beside = cells.beside[used]
@@ -127,8 +127,7 @@ def share_of(
 
     `records` are those of the surface vertices.
     """
-    surface = table.surface
-    group = groups.of[surface.body[moving]]
+    group = groups.of[table.every.body[moving]]
     joins = group >= 0
     rank = np.where(joins, groups.rank[group], comm.rank)
     used = np.full(len(table.keys), -1)

@@ -18,6 +18,7 @@ from pgimp.solver.contact.surfaces.candidates import candidates_of, find_facets
 from pgimp.solver.contact.surfaces.contact import SurfaceContact
 from pgimp.solver.contact.surfaces.loads import Smoothed, smooth
 from pgimp.solver.contact.surfaces.table import Table
+from pgimp.solver.contact.surfaces.wide import parted
 from pgimp.solver.rank_state import RankState
 
 #: Cells of gap below which a facet is next to those under load.
@@ -102,13 +103,14 @@ class Sheets:
         )
         scratch = proximity.scratch
         u, laws = np.pad(u, ((0, 0), (0, 1))), contact.laws._replace(rigid_bodies=rigid)
+        moving = moving[moving < len(found)]
         call(move_facets, frame, rigid, surface, table.cells, u, moving, scratch)
         acts, marks = np.ascontiguousarray(contact.acts.T), np.zeros(len(found), np.uint8)
         others = candidates_of(
             surface,
             find_facets(call, surface, acts, moving, frame.cell[0], proximity.reach, (0, 1), marks),
         )
-        for every in (candidates.copy(), others):
+        for every in (parted(table, candidates)[0], others):
             both = every, Patches.of(surface, every, -1.0)
             call(
                 find_gaps, frame, laws, proximity.walls, surface, (table.cells, u), scratch,

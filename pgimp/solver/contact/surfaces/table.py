@@ -25,6 +25,7 @@ from pgimp.solver.contact.grown import grown
 from pgimp.solver.contact.impulses.messages import united
 from pgimp.solver.contact.surfaces.box_bodies import boxes_of
 from pgimp.solver.contact.surfaces.divided import Ends, all_facets
+from pgimp.solver.contact.surfaces.rectangles import with_wide
 from pgimp.solver.contact.surfaces.seams import closed_faces, one_period, places_with_images
 from pgimp.solver.lagrangian.masters import Vertices
 from pgimp.solver.rank_state import RankState
@@ -37,6 +38,9 @@ SHARP = 0.3
 
 #: Greatest distance of neighbouring facets, in cells, by dimensions.
 _BESIDE = (1.0, 0.3, 0.4)
+
+#: Cells from an edge within which no facets are joined.
+_EDGE = 0.3
 
 #: Cells behind a facet where its cell is looked for, the first whose vertices all have mass.
 _DEPTHS = (1e-6, 0.1, 0.3, 0.6, 1.0, 1.5)
@@ -60,6 +64,8 @@ class Table(NamedTuple):
     turns: np.ndarray
     #: ((patches + 1,) int64, (k,) int64): Patches beside each, with facets beside its own.
     around: tuple[np.ndarray, np.ndarray]
+    every: Surface  #: The same facets, in the same memory, and after them wide ones.
+    wide: np.ndarray  #: (n,) int64: The wide one that each facet is part of, or -1.
 
     def facets(self, clusters: np.ndarray) -> np.ndarray:
         """The facets of some clusters."""
@@ -104,8 +110,16 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
         start, beside, np.full((len(body), 3), np.inf), np.zeros((len(body), 3)),
         np.zeros((len(body), 2, 3)), np.zeros((len(body), 2**D)), periods if periods.any() else (),
     )  # fmt: skip
-    find_means(frame, surface, np.zeros((2, 3)))
-    find_tips(surface, SHARP)
+    inside = np.zeros(len(body), bool)
+    find_tips(surface, SHARP, _EDGE * float(cell.max()), inside)
+    number = np.floor((facets.x[:, :D] - origin) / cell - _DEPTHS[0] * facets.normal[:, :D])
+    whole, wide = with_wide(surface, inside, cell, number.astype(np.int64))
+    if scene.case.axisymmetric or not scene.settings.lagrangian.all():
+        whole, wide = surface, np.full(len(body), -1)
+    find_means(frame, whole, np.zeros((2, 3)))
+    own = {name: values[: len(body) + (name == "start")] for name, values in
+           whole._asdict().items() if name not in ("beside", "periods")}  # fmt: skip
+    surface = surface._replace(**own)
     keys = np.empty(len(numbers), np.int64)
     keys_of_vertices(bits_of(frame, 1 + max(fields, default=0)), numbers, keys)
     number = np.floor((facets.x[:, :D] - origin) / (WIDE * cell)).astype(np.int64)
@@ -124,7 +138,7 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     return Table(
         surface, cells, numbers, keys, first, members, body[members[first[:-1]]],
         np.ascontiguousarray(owner), np.ascontiguousarray(corner), np.stack(turns, axis=1),
-        _around(facets.patch, start, beside),
+        _around(facets.patch, start, beside), whole, wide,
     )  # fmt: skip
 
 

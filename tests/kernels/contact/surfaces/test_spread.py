@@ -96,3 +96,31 @@ def test_a_facet_in_a_plane_of_the_grid_is_in_the_cells_beside_it(D):
         assert weights.sum() == pytest.approx(1.0, abs=1e-13)
         where = weights @ np.indices([4] * D).reshape(D, -1).T
         np.testing.assert_allclose(where, 1.0 + place, atol=1e-8)
+
+
+@pytest.mark.parametrize("D", [2, 3])
+def test_weights_are_continued_beyond_the_last_cell(D):
+    """Where no cell is known a facet has the weights of the last one, as its functions go on."""
+    cells, pieces, rng = cells_of(D), pieces_of(D), np.random.default_rng(5)
+    corners = np.array([*product((0, 1), repeat=D)])
+    t = (np.arange(200) + 0.5) / 100.0 - 1.0
+    for k in range(8):
+        every, found = no_facets(1), np.zeros(1, np.int64)
+        near = every[0]
+        near["place"], near["edges"], near["offset"] = 0.0, 0.0, 0.0
+        near["place"][:D] = rng.uniform(0.0, 1.0, D)
+        near["place"][k % D] = rng.uniform(-0.1, 0.1)  # below the first cells, in all or in part
+        near["edges"][: D - 1, :D] = rng.uniform(-0.3, 0.3, (D - 1, D))
+        _spread(D, cells, 0, every, pieces, found)
+        weights = np.zeros(4**D)
+        for c, own in zip(pieces[0][: found[0]], pieces[1], strict=False):
+            np.add.at(weights, cells.corners[c], own)
+        a, b = near["edges"][:, :D]
+        points = np.array([p * a + q * b for p in t for q in (t if D == 3 else t[:1])])
+        points += near["place"][:D]
+        cell = np.clip(np.floor(points), 0, 2)
+        y = (points - cell)[:, None]
+        parts = np.where(corners > 0, y, 1.0 - y).prod(axis=2) / len(points)
+        mean, at = np.zeros(4**D), (cell[:, None] + corners) @ 4 ** np.arange(D)[::-1]
+        np.add.at(mean, at.astype(np.int64), parts)
+        np.testing.assert_allclose(weights, mean, rtol=0.0, atol=4e-5)

@@ -4,10 +4,11 @@ from itertools import product
 
 import numpy as np
 import pytest
-from scenes import energy, finish, scene, start
+from scenes import box, energy, finish, scene, start
 from tiers import wide
 
 from pgimp.errors import CaseError
+from pgimp.kernels.contact.surfaces.nearest import FLAT
 
 pytestmark = pytest.mark.slow(60)
 
@@ -163,3 +164,20 @@ def test_ends_that_differ_at_a_seam_are_surfaces():
                  boundaries=periodic((0,)) | {"y-min": "fixed"})  # fmt: skip
     first, last = run(case)
     assert last["body.block.momentum-x"] > -0.3 * first["body.block.momentum-x"] > 0.0
+
+
+def test_facets_beside_a_seam_are_not_said_to_be_in_a_plane():
+    """What follows neighbours across a seam looks for images; elsewhere a face is flat."""
+    bodies = {"strip": box([0.0, 1.2], [12.0, 3.4]) | EXACT,
+              "block": box([4.1, 3.5], [7.2, 5.3]) | EXACT}  # fmt: skip
+    sim = start(scene(2, bodies, cells=[12, 8], step=0.01, end=0.1, contact=[{"bodies": "all"}],
+                      boundaries={"x-min": "periodic", "x-max": "periodic"}))  # fmt: skip
+    sim.advance()
+    surface = sim.rank.contact.known(sim.rank).surface
+    top = (surface.body == 0) & (surface.normal[:, 1] > 0.99)
+    x = surface.x[top, 0] % 12.0
+    away = np.minimum(x, 12.0 - x)
+    flat = surface.tip[top] & FLAT != 0
+    assert (away < 0.2).any()
+    assert not flat[away < 0.2].any()
+    assert flat[away > 0.5].all()

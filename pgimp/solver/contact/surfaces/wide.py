@@ -1,0 +1,93 @@
+"""Wide facets among those near others: where flat faces lie on each other, see `rectangles.py`."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pgimp.kernels.contact.surfaces.nearest import FLAT
+from pgimp.scene.bodies.surfaces.boxes import distinct
+from pgimp.solver.contact.surfaces.table import Table
+
+#: Greatest relative error of areas of rectangles, and cosines' and places' of what is in a plane.
+_EXACT = 1e-6
+
+#: Least cosine between a normal and the opposite one of faces that lie on each other.
+_PARALLEL = 1.0 - 5e-5
+
+#: Cells by which neighbours of facets are apart at least, on the other side of a ring of them.
+_RING = 0.25
+
+
+def joined(table: Table, every: np.ndarray) -> np.ndarray:
+    """Candidates, with wide facets where all parts lie on one plane; as of `candidates_of`.
+
+    Normals are those of the last search: what tilts by a hundredth keeps small facets.
+    """
+    surface, facet, other = table.surface, every["facet"], every["other"]
+    parts = np.bincount(table.wide[table.wide >= 0] - len(table.wide), minlength=1)
+    before = other >= 0
+    faces = np.abs(surface.turned[facet]).max(axis=1)  # walls are across an axis
+    turned = surface.turned[facet[before]] * surface.turned[other[before]]
+    faces[before] = np.where(surface.tip[other[before]] & FLAT, -turned.sum(axis=1), 0.0)
+    some = np.flatnonzero((table.wide[facet] >= 0) & (faces > _PARALLEL))
+    if not len(some):
+        return _triples(every)
+    wide = table.wide[facet[some]]
+    first, of = distinct(np.column_stack([wide, every["body"][some]]))
+    before = other[some[first]][of]
+    n, away = surface.normal[before], surface.x[other[some]] - surface.x[before]
+    alike = (n * surface.normal[other[some]]).sum(axis=1) > 1.0 - _EXACT
+    alike &= np.abs((n * away).sum(axis=1)) < _EXACT * surface.radius[before]
+    alike |= other[some] < 0
+    good = np.bincount(of, alike) == parts[wide[first] - len(table.wide)]
+    order = np.argsort(of, kind="stable")
+    begin = np.searchsorted(of[order], np.arange(len(first)))
+    middle = order[begin + np.bincount(of) // 2]
+    found, gone = every.copy(), np.zeros(len(every), bool)
+    gone[some[good[of]]] = True
+    kept = some[first[good]]
+    gone[kept] = False
+    found["facet"][kept], found["other"][kept] = wide[first[good]], other[some[middle[good]]]
+    return _triples(found[~gone])
+
+
+def _triples(every: np.ndarray) -> np.ndarray:
+    """Facets, bodies, and the facets next to the first, (n, 3) int64."""
+    return np.stack([every["facet"], every["body"], every["other"]], axis=1)
+
+
+def parted(table: Table, every: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Candidates with the facets of wide ones in their place, and the number that each had."""
+    count = len(table.wide)
+    facets = np.flatnonzero(table.wide >= 0)
+    facets = facets[np.argsort(table.wide[facets], kind="stable")]
+    begin = np.searchsorted(table.wide[facets], np.arange(count, len(table.every.x) + 1))
+    wide = every["facet"] - count
+    parts = np.where(wide < 0, 1, np.diff(begin, append=begin[-1])[np.maximum(wide, 0)])
+    row = np.repeat(np.arange(len(every)), parts)
+    found = every[row]
+    inside = np.arange(len(row)) - np.repeat(np.cumsum(parts) - parts, parts)
+    some = wide[row] >= 0
+    found["facet"][some] = facets[begin[wide[row[some]]] + inside[some]]
+    return found, row
+
+
+def moving_of(table: Table, every: np.ndarray, travel: float, moving: np.ndarray) -> np.ndarray:
+    """Facets that are to be moved for some candidates, of those that may be; by patch.
+
+    Near those next to others are all that may become so: bodies move by `travel` cells. If that is
+    inf, all may.
+    """
+    surface, marks = table.surface, np.full(len(table.wide), travel == np.inf)
+    near = every["other"][every["other"] >= 0]
+    for _ in range(0 if marks.all() else 1 + int(np.ceil(2.0 * travel / _RING))):
+        marks[near] = True
+        first, count = surface.start[near], np.diff(surface.start)[near]
+        row = np.repeat(first - np.cumsum(count) + count, count) + np.arange(count.sum())
+        more = np.unique(surface.beside[row])
+        near = more[~marks[more]]
+    marks[near] = True
+    marks[every["facet"][every["facet"] < len(marks)]] = True
+    wide = np.unique(every["facet"][every["facet"] >= len(marks)])
+    found = np.concatenate([moving[marks[moving]], wide])
+    return found[np.argsort(table.every.patch[found], kind="stable")]
