@@ -89,9 +89,9 @@ def test_the_page_says_what_the_script_prints(whole):
 def test_the_change_is_the_relaxation_of_the_method(whole):
     """From the second step on, with the rate that the page names."""
     script, _ = whole
-    case, rate = script["CASE"], float(re.search(r"`relaxation: (\d+)`", PAGE)[1])
+    case, rate = script["CASE"], float(re.search(r"`pic-damping: (\d+)`", PAGE)[1])
     assert rate * script["DT"] == pytest.approx(0.05)
-    blend = {"name": "blend", "end": 1.0, "method": {"relaxation": rate}}
+    blend = {"name": "blend", "end": 1.0, "method": {"pic-damping": rate}}
     time = {"end": script["DT"], "step": script["DT"], "stages": [blend]}
     solver = pgimp.Simulation(case | {"time": time})
     solver.step(2000)

@@ -55,7 +55,7 @@ def drawn(case, *axes):
 @pytest.mark.parametrize("offset", [0.0, 0.3, 0.45])
 def test_surfaces_part_at_their_strength(offset):
     """A stress of 4 on four cells, wherever between vertices the surface lies; then nothing."""
-    force, sim = drawn(glued(offset, [0.0, 1.0], {"normal": 4.0, "reach": 0.1}), "y")
+    force, sim = drawn(glued(offset, [0.0, 1.0], {"normal": 4.0, "range": 0.1}), "y")
     assert -force.min() == pytest.approx(16.0, rel=0.01)
     assert (force[-100:] == 0.0).all()
     assert sim.diagnostics()["contact.block+floor.impact-loss"] > 0.0
@@ -64,7 +64,7 @@ def test_surfaces_part_at_their_strength(offset):
 @pytest.mark.wide
 def test_surfaces_part_at_their_strength_in_space():
     """Edges and corners count with the area that they have."""
-    case = glued(0.3, [0.0, 0.0, 1.0], {"normal": 4.0, "reach": 0.1}, D=3)
+    case = glued(0.3, [0.0, 0.0, 1.0], {"normal": 4.0, "range": 0.1}, D=3)
     force, _ = drawn(case, "z")
     assert -force.min() == pytest.approx(64.0, rel=0.01)
     assert (force[-20:] == 0.0).all()
@@ -72,7 +72,7 @@ def test_surfaces_part_at_their_strength_in_space():
 
 def test_bodies_that_both_give_way():
     """The outermost half cell of each side does not hold: three of four cells."""
-    case = glued(0.0, [0.0, 1.0], {"normal": 4.0, "reach": 0.1}, floor="soft")
+    case = glued(0.0, [0.0, 1.0], {"normal": 4.0, "range": 0.1}, floor="soft")
     force, _ = drawn(case, "y")
     assert -force.min() == pytest.approx(12.0, rel=0.03)
     assert (force[-100:] == 0.0).all()
@@ -84,7 +84,7 @@ def test_surfaces_slide_at_their_strength_and_friction(friction):
 
     Drawn at its top the block lifts its trailing edge by more than a tenth of a cell.
     """
-    case = glued(0.3, [1.0, 0.0], {"shear": 2.0, "reach": 0.4}, friction)
+    case = glued(0.3, [1.0, 0.0], {"shear": 2.0, "range": 0.4}, friction)
     force, press, _ = drawn(case, "x", "y")
     force, press = -force[-100:].mean(), press[-100:].mean()
     assert force == pytest.approx(8.0 + friction * press, rel=0.02)
@@ -94,11 +94,11 @@ def test_surfaces_slide_at_their_strength_and_friction(friction):
 @pytest.mark.parametrize(
     "entry, said",
     [
-        ({"adhesion": {"normal": 1.0, "reach": 1.5}}, "at most the side of a cell, 1"),
-        ({"adhesion": {"normal": 1.0}}, "reach"),
-        ({"adhesion": {"reach": 0.1}}, "expected a stress above 0 here or as `shear`"),
-        ({"adhesion": {"shear": -1.0, "reach": 0.1}}, "must be at least 0"),
-        ({"adhesion": {"shear": 1.0, "reach": 0.1}, "law": "tie"}, "have no adhesion"),
+        ({"adhesion": {"normal": 1.0, "range": 1.5}}, "at most the side of a cell, 1"),
+        ({"adhesion": {"normal": 1.0}}, "range"),
+        ({"adhesion": {"range": 0.1}}, "expected a stress above 0 here or as `shear`"),
+        ({"adhesion": {"shear": -1.0, "range": 0.1}}, "must be at least 0"),
+        ({"adhesion": {"shear": 1.0, "range": 0.1}, "law": "tie"}, "have no adhesion"),
     ],
 )
 def test_what_cannot_be_is_refused(entry, said):
