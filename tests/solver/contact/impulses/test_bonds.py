@@ -15,7 +15,7 @@ def random_pairs(rng, count):
     names = [f"body{n}" for n in range(count)]
 
     def entry(bodies):
-        law = str(rng.choice(["friction", "tied", "ignore"]))
+        law = str(rng.choice(["friction", "tie", "ignore"]))
         return ContactEntry.model_validate({"bodies": bodies, "law": law})
 
     entries = [entry("all")] * int(rng.random() < 0.6)
