@@ -152,7 +152,7 @@ def footing(redraw):
         axes[0].plot([half, way[0]], [deep, way[1]], "--", color="w", lw=1.2)
     axes[0].set(xlim=(0.0, 4.0), ylim=(0.0, 2.4), xlabel="x [m]", ylabel="y [m]", aspect="equal")
     figure.colorbar(shown, ax=axes[0], label="plastic strain", shrink=0.8, extend="max")
-    for results, colour, name in ((mean, BLUE, "mean"), (locked, RED, "pointwise")):
+    for results, colour, name in ((mean, BLUE, "b-bar"), (locked, RED, "pointwise")):
         history = results.history
         pressure = history["rigid.strip.force-y"] / (half * 1.0e4)
         down = -1e3 * history["rigid.strip.displacement-y"]

@@ -147,7 +147,7 @@ def hard_bending(redraw):
     axes, below = left.subplots(1, 2, sharey=True), right.subplots()
     for axis, label, colour, more in zip(
         axes,
-        ("pointwise", "mean"),
+        ("pointwise", "b-bar"),
         (RED, BLUE),
         ([], ["method.volumetric=b-bar", "time.step.courant=0.3"]),
         strict=True,
