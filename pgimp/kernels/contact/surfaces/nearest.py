@@ -15,7 +15,7 @@ MEETS, OPPOSED, ASKEW = 0.3, -0.5, 4.0
 FACES, STEEP = -0.03, -0.8
 
 #: Cosine from which on facets have no gap before a plane, and by which others may be off in it.
-ACROSS, _TURNS = FACES + 0.02, 0.02
+ACROSS, TURNS = FACES + 0.02, 0.02
 
 #: Cells by which facets of one body are apart in the initial state if they may meet.
 APART = 2.0
@@ -157,7 +157,7 @@ def approach(D, surface, near, cell, walks, farthest):
     square = along * along + _ALONG * beside + over * over
     clear = min(max(gap, sqrt(square) - farthest), CLEAR * cell)
     second = near.body < surface.body[s]
-    if surface.tip[f] & PLANE and (same > ACROSS or (second and same < STEEP - _TURNS)):
+    if surface.tip[f] & PLANE and (same > ACROSS or (second and same < STEEP - TURNS)):
         return inf, clear
     if square > farthest * farthest:
         return inf, clear

@@ -268,8 +268,9 @@ def find_meeting(surface, acts, some, runs, reach, marks, best, every):
         Runs of them that are near each other, see
         `pgimp.solver.contact.surfaces.candidates.runs_of`.
     reach : (float, float, float, int, int)
-        Greatest distance, and the side of a cell; by how much cosines between normals may change
-        until the next search; the first and the end of the runs that look for others.
+        Greatest distance, and the side of a cell; by how much more than `TURNS` cosines between
+        normals may change until the next search; the first and the end of the runs that look for
+        others.
     marks : (facets,) uint8
         Set to 1 for these facets within reach of others, and those there.
     best : ((bodies,) float64, (bodies,) int64, (bodies,) int64)

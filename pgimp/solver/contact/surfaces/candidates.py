@@ -10,7 +10,7 @@ from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.impulses.pairs import SeparatingWalls
 from pgimp.kernels.contact.surfaces.data import Surface, no_facets
-from pgimp.kernels.contact.surfaces.nearest import ACROSS
+from pgimp.kernels.contact.surfaces.nearest import ACROSS, TURNS
 from pgimp.kernels.contact.surfaces.search import (
     bound_clusters,
     find_close,
@@ -28,9 +28,9 @@ from pgimp.solver.rank_state import RankState
 #: Cells by which clusters' boxes reach beyond their vertices.
 _BEYOND = 0.2
 
-#: By how much the cosine between two normals changes while vertices move by a cell: of both bodies
-#: two ends of a cell may move in opposite ways.
-_TURNS = 4.0
+#: By how much normals of bodies two cells across turn while their ends move by a cell, in opposite
+#: ways.
+_TURNS = 1.0
 
 
 class Meeting(NamedTuple):
@@ -135,8 +135,8 @@ def find_facets(
 ) -> np.ndarray:  # fmt: skip
     """Find which of some facets may soon meet another body, see `find_meeting`, (n, 3) int64.
 
-    `reach` are a distance, and by how much cosines between normals may change. `part` are a number
-    and the number of parts of equal size of which it is: of the facets that look for others.
+    `reach` are a distance, and by how much cosines may change, see `find_meeting`. `part` are a
+    number and the number of parts of equal size of which it is: of the facets that look for others.
     """
     count, D = len(acts), surface.means.shape[1].bit_length() - 1
     best = np.full(count, np.inf), np.empty(count, np.int64), np.empty(count, np.int64)
@@ -171,7 +171,7 @@ def find_candidates(
     """
     surface, frame, most = table.surface, scene.domain.frame, float(reach.max())
     periods, marks, there = scene.domain.periods, np.zeros(len(surface.x), np.uint8), surface
-    turns = _TURNS * travel
+    turns = max(_TURNS * travel - TURNS, 0.0)
     own = which = np.empty(0, np.int64)
     if periods.any():
         own = meeting.facets

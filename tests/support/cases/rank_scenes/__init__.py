@@ -56,6 +56,7 @@ from rank_scenes.periods import (
     surface_round,
 )
 from rank_scenes.plates import plates, plates_initial
+from rank_scenes.resting import surface_blocks, surface_folded
 from rank_scenes.rings import (
     mixed_rings,
     rings,
@@ -124,6 +125,8 @@ SCENES = (
             surface_beside,
             surface_boxes,
             surface_stages,
+            surface_blocks,
+            surface_folded,
             surface_rings,
             surface_round,
             mixed_rings,
