@@ -251,8 +251,10 @@ class Proximity:
             of = table.surface, table.cells, u, near, self.scratch
             call(move_facets, scene.domain.frame, rigid, *of)
             part = self.comm.rank, self.comm.size
-            of = walls, table, acts, meeting, reach, self._travel, part
-            parts = self.comm.allgather(find_candidates(call, scene, *of))
+            travel = self._travel
+            parts = self.comm.allgather(
+                find_candidates(call, scene, walls, table, acts, meeting, reach, travel, part)
+            )
             found = np.concatenate([each[0] for each in parts])
             self._moving = marked(len(table.surface.x), [each[1] for each in parts])
         every = candidates_of(

@@ -44,7 +44,7 @@ from rank_scenes.initial_bodies import (
 )
 from rank_scenes.laws import VARIED, affine, flowing, metals, varied
 from rank_scenes.leaving import PROBES, line_leaves, plane_leaves, sinks
-from rank_scenes.meetings import meeting, phased, staged
+from rank_scenes.meetings import meeting, phased, staged, surface_blocks, surface_folded
 from rank_scenes.passing import passing
 from rank_scenes.periods import (
     endless,
@@ -56,7 +56,6 @@ from rank_scenes.periods import (
     surface_round,
 )
 from rank_scenes.plates import plates, plates_initial
-from rank_scenes.resting import surface_blocks, surface_folded
 from rank_scenes.rings import (
     mixed_rings,
     rings,
