@@ -141,8 +141,8 @@ MASS: tuple[Rule, ...] = (
             and (it[2].dimensions == 1 or not it[2].meets)
         ),
         "waves are then at their speed",
-        "a wave of ten cells is four times as accurate, in steps 0.85 times as long; two bars of 20 "
-        "cells part at 0.974 of the speed at which they meet, not 0.964",
+        "a wave of ten cells is four times as accurate, in steps 0.85 times as long; two bars of "
+        "20 cells part at 0.974 of the speed at which they meet, not 0.964",
         "waves.md",
     ),
 )
