@@ -103,7 +103,7 @@ def test_nothing_depends_on_when_the_search_is(meet, most):
     before = field(whole, "v").copy()
     while not whole.finished:
         whole.advance()
-        other.rank.contact.proximity._moved = np.inf
+        other.rank.contact.proximity.restart()
         other.advance()
     assert np.abs(field(whole, "v") - before).max() > 1.0  # they have met
     np.testing.assert_allclose(field(whole, "x"), field(other, "x"), rtol=0.0, atol=most)
