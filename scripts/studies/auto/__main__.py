@@ -26,11 +26,11 @@ def written(problem: Problem) -> dict:
 
 
 def bare(data: dict) -> dict:
-    """The case without a key of the method; contact stays where it has friction."""
+    """The case without a key of the method; contact stays where it has friction or is bonded."""
     data = {key: value for key, value in data.items() if key != "method"}
     data["time"] = {key: value for key, value in data["time"].items() if key != "step"}
-    if not any(set(entry) - {"bodies"} for entry in data.get("contact", ())):
-        data.pop("contact", None)
+    if data.get("contact") and not any(set(entry) - {"bodies"} for entry in data["contact"]):
+        del data["contact"]
     keys = ("formulation", "mass", "volumetric")
     data["bodies"] = {
         name: {key: value for key, value in body.items() if key not in keys}
@@ -126,7 +126,7 @@ def _ways(name: str, problem: Problem) -> dict[str, dict]:
     """The cases to compare, by their names."""
     whole = written(problem)
     data = bare(whole)
-    contact = whole.get("contact") or ([{"bodies": "all"}] if len(whole["bodies"]) > 1 else [])
+    contact = whole.get("contact", [{"bodies": "all"}] if len(whole["bodies"]) > 1 else [])
     contact = contact if name != "Sod's tube" else []
     ways = {"auto": data}
     for way in problem.methods:
