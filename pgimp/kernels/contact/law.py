@@ -123,6 +123,14 @@ def _inverse_mass(field, bilateral, d):
 
 
 @inner_kernel
+def rests_apart(pairs, entry, row):
+    """Whether a pair exchanges nothing while its surfaces move apart, or do not reach each other."""
+    if pairs.kind[entry] == TIED or row.adhesion + row.shear_adhesion != 0.0:
+        return False
+    return not acts_apart(pairs, entry)
+
+
+@inner_kernel
 def _stay_apart(pairs, entry, row, u, v):
     """Whether surfaces with velocities u and v that exchange nothing so far need no impulse."""
     apart, reach = row.gap_rate, row.adhesion + row.shear_adhesion
