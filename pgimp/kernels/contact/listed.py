@@ -7,8 +7,8 @@ import numpy as np
 from pgimp.jit.memory import structure
 
 #: A contact vertex: its numbers by direction, its fields with particles and its rigid bodies, and
-#: its pairs. `first_field` and `first_pair` are their first entries in the list. `apart` is 1 if no
-#: pair acts while its surfaces move apart.
+#: its pairs. `first_field` and `first_pair` are their first entries in the list. `simple` is 1
+#: if nothing else acts there, and no pair while its surfaces move apart.
 LISTED_VERTEX = structure(
     ("number", "i8", 3),
     ("fields", "i8"),
@@ -16,7 +16,7 @@ LISTED_VERTEX = structure(
     ("first_field", "i8"),
     ("pairs", "i8"),
     ("first_pair", "i8"),
-    ("apart", "i8"),
+    ("simple", "i8"),
 )
 
 #: A field: the offset of its record, -1 for a rigid body, and its body.

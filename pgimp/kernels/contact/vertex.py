@@ -5,12 +5,12 @@ from pgimp.kernels.contact.books import book
 from pgimp.kernels.contact.data import SWEEPS
 from pgimp.kernels.contact.law import exchange, find_held
 from pgimp.kernels.contact.select import clear_range, include
+from pgimp.kernels.contact.single_pair import exchange_alone
 from pgimp.kernels.contact.vertex_list import load_vertex, vertex_number
 from pgimp.kernels.data.field_marks import has_several, mark_fields
-from pgimp.kernels.data.record import ACCELERATION, MASS, MOMENTUM, VELOCITY
+from pgimp.kernels.data.record import ACCELERATION, MOMENTUM, VELOCITY
 from pgimp.kernels.data.used_rows import next_rows, rows_with
 from pgimp.kernels.grid.conditions import Holding
-from pgimp.kernels.grid.constraints import is_marked
 from pgimp.kernels.loads.loads import relaxed_part
 from pgimp.kernels.rigid.bodies import move_freely, position_of
 
@@ -72,8 +72,10 @@ def _apply_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
     """See `apply_contact`."""
     dt, listed = forcing.dt, contact.listed
     holding = Holding(faces, frame, forcing, contact.scratch_impulse, forcing.loads.relaxation)
+    # Particles get a part of the first pass, by which they relax to the grid.
+    part = 1.0 if last else relaxed_part(forcing.loads.relaxation, dt)
     for n in range(listed.start[i], listed.start[i + 1]):
-        if _stay_apart(listed, forcing.marked, field.G, n, last):
+        if exchange_alone(contact, forcing, field, i, n, part, last, ledger):
             continue
         count, pairs, changed = contact_at_vertex(contact, holding, field, n, last)
         if not changed:
@@ -88,36 +90,11 @@ def _apply_in_plane(contact, faces, frame, field, forcing, i, ledger, last):
                     _set_before(contact, contact.rigid_bodies, a, d, field.G, dt)
                 else:
                     field.G[offset + MOMENTUM + d] += contact.fields[a].mass * change
-        # Particles get a part of the first pass, by which they relax to the grid.
-        part = 1.0 if last else relaxed_part(forcing.loads.relaxation, dt)
         if part > 0.0 and i < field.owned:
             number = vertex_number(contact, n)
             place = position_of(frame, number)
             for pair in range(pairs):
                 book(contact, holding, (number, place), pair, part, last, ledger, i)
-
-
-@inner_kernel
-def _stay_apart(listed, marked, G, n, last):
-    """Whether all pairs at listed vertex `n` move apart, or do not reach each other in the step.
-
-    Most do: what else the law needs is then not loaded. Of held fields nothing is known here.
-    """
-    vertex = listed.vertices[n]
-    if vertex.apart == 0:
-        return False
-    for pair in range(vertex.first_pair, vertex.first_pair + vertex.pairs):
-        row = listed.pairs[pair]
-        r, s, apart = row.offsets[0], row.offsets[1], row.gap_rate
-        if is_marked(marked, r) or is_marked(marked, s):
-            return False
-        one = 1.0 if last else 1.0 / G[r + MASS]
-        other = 1.0 if last else 1.0 / G[s + MASS]
-        for d in range(3):
-            apart += (other * G[s + VELOCITY + d] - one * G[r + VELOCITY + d]) * row.normal[d]
-        if not apart >= 0.0:
-            return False
-    return True
 
 
 @inlined

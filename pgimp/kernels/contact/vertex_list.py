@@ -114,18 +114,18 @@ def _add(contact, search, number, most, near, found):
     for a in range(count + rigid):
         listed.fields[f + a].offset = contact.offsets[a]
         listed.fields[f + a].body = contact.bodies[a]
-    apart = rigid == 0 and not beyond_any(faces, face_count(faces), frame, number)
+    simple = rigid == 0 and not beyond_any(faces, face_count(faces), frame, number)
     for pair in range(pairs):
         kept, state, ends = listed.pairs[p + pair], contact.pair_states[pair], contact.ends[pair]
         kept.fields[0], kept.fields[1], kept.law = ends.fields[0], ends.fields[1], ends.law
         for end in range(2):
             kept.offsets[end] = contact.offsets[ends.fields[end]]
-        apart = apart and rests_apart(contact.pairs, ends.law - 1, state)
+        simple = simple and rests_apart(contact.pairs, ends.law - 1, state)
         kept.gap_rate, kept.area = state.gap_rate, state.area
         kept.adhesion, kept.shear_adhesion = state.adhesion, state.shear_adhesion
         for d in range(3):
             kept.normal[d] = state.normal[d]
-    row.apart = apart
+    row.simple = simple
     return after
 
 
