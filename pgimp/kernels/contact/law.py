@@ -124,7 +124,7 @@ def _inverse_mass(field, bilateral, d):
 
 @inner_kernel
 def rests_apart(pairs, entry, row):
-    """Whether a pair exchanges nothing while its surfaces move apart, or do not reach each other."""
+    """Whether a pair exchanges nothing unless its surfaces reach each other."""
     if pairs.kind[entry] == TIED or row.adhesion + row.shear_adhesion != 0.0:
         return False
     return not acts_apart(pairs, entry)

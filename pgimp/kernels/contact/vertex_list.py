@@ -5,8 +5,8 @@ from typing import Any, NamedTuple
 
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.kernels.contact.gap import find_pairs
-from pgimp.kernels.contact.listed import FIELDS, PAIRS, VERTICES
 from pgimp.kernels.contact.law import rests_apart
+from pgimp.kernels.contact.listed import FIELDS, PAIRS, VERTICES
 from pgimp.kernels.contact.rigid_fields import (
     has_rigid_bodies,
     load_rigid_bodies,
