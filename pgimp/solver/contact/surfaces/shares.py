@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pgimp.kernels.contact.impulses.reference_grid import NUMBERS
 from pgimp.kernels.contact.surfaces.data import SurfaceCells
 from pgimp.kernels.data.motion import DISPLACEMENT
 from pgimp.kernels.data.record import RECORD
@@ -73,7 +74,7 @@ class Share(NamedTuple):
         """
         if self.same:
             return u, values
-        arrived = np.concatenate([u, values.view(np.float64).reshape(len(u), -1)], axis=1)
+        arrived = np.concatenate([u, values.view(np.float64).reshape(-1, NUMBERS)], axis=1)
         if comm.size > 1:
             arrived = swap(comm, arrived, *self.counts)
         found = np.zeros((len(self.keys), arrived.shape[1]))
