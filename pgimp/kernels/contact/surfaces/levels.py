@@ -44,6 +44,10 @@ NEAR, SOON, TOUCHES = 0.25, 4.0, 1e-3
 #: Least cosine between normals on one side of a body.
 _ONE_SIDE = 0.7
 
+#: Difference of a normal's components beyond which one is greater: at 45 degrees all facets of a
+#: face are on one side, and a pair remains the same from step to step.
+_ROUNDING = 1e-6
+
 
 @inner_kernel
 def end_of_patch(surface, every, first):
@@ -87,7 +91,7 @@ def _side_of(surface, f):
         return 0
     axis = 0
     for d in range(1, 3):
-        if abs(surface.normal[f, d]) > abs(surface.normal[f, axis]):
+        if abs(surface.normal[f, d]) > abs(surface.normal[f, axis]) + _ROUNDING:
             axis = d
     return 2 * axis + (1 if surface.normal[f, axis] > 0.0 else 0)
 
@@ -140,11 +144,10 @@ def gather(surface, group, side, own, numbers):
     tuple of int, float, int
         How many there are, the area of the whole patch, and the candidate with the least gap.
     """
-    (every, first, last), found, whole, deepest = group, 0, 0.0, -1
+    (every, first, last), found, deepest = group, 0, -1
     for n in range(first, last):
         near = every[n]
         area, near.weight = surface.area[near.facet], 0.0
-        whole += area
         if near.side == side:
             if deepest < 0 or near.gap < every[deepest].gap:
                 deepest = n
@@ -154,7 +157,7 @@ def gather(surface, group, side, own, numbers):
             found += 1
     for m in range(found, found + -found % 4):
         own[GAP, m], own[AREA, m], own[FACING, m] = inf, 0.0, 0.0
-    return found, whole, deepest
+    return found, surface.whole[every[first].facet], deepest
 
 
 @inner_kernel
