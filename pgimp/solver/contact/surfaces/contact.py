@@ -231,7 +231,7 @@ class SurfaceContact(ImpulseContact):
             np.empty((len(share.records), 4)),
         )
         call(read_vertices, self._holding(update), grid.field, share.sent, share.records, values, u)
-        u, values = share.gather(self.comm, u), share.gather(self.comm, values)
+        u, values = share.gather(self.comm, u, values)
         dt, self._moved = update.t.dt, (cells, u)
         laws, rigid = self._contact, self.rigid_bodies
         patches, moving = proximity.awake(laws, table, u, flat(values), dt)

@@ -318,7 +318,8 @@ class Proximity:
             now = self.all_displacements(rank, table, self._records)
         else:
             now, own = np.full(self._before.shape, np.nan), np.flatnonzero(self._shared >= 0)
-            now[own] = rank.grid.kept.values.reshape(-1, RECORD)[self._shared[own], U]
+            records = rank.grid.kept.values.reshape(-1, RECORD)
+            now[own] = records.take(self._shared[own], axis=0)[:, U]
         ends = np.full((2, len(table.body), scene.dimension), np.inf)
         of = table.surface, table.cells, clusters, now - self._before, (rigid, self._poses)
         self.call(find_shifts, scene.domain.frame, *of, ends)

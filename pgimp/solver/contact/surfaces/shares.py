@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pgimp.kernels.contact.impulses.reference_grid import NUMBERS
 from pgimp.kernels.contact.surfaces.data import SurfaceCells
 from pgimp.kernels.data.motion import DISPLACEMENT
 from pgimp.kernels.data.record import RECORD
@@ -64,14 +65,22 @@ class Share(NamedTuple):
     place: np.ndarray  #: (v,) int64: Numbers of those that it gets.
     same: bool  #: Whether these are its own, in their order.
 
-    def gather(self, comm: Communicator, values: np.ndarray) -> np.ndarray:
-        """What all ranks have at the share's vertices, given that of `sent`; collective."""
+    def gather(
+        self, comm: Communicator, u: np.ndarray, values: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """What all ranks have at the share's vertices, given that of `sent`; collective.
+
+        That are displacements, (n, 4) float64, and records of reference vertices, in one message.
+        """
         if self.same:
-            return values
-        arrived = values if comm.size == 1 else swap(comm, values, *self.counts)
-        found = np.zeros((len(self.keys), *values.shape[1:]), values.dtype)
+            return u, values
+        arrived = np.concatenate([u, values.view(np.float64).reshape(-1, NUMBERS)], axis=1)
+        if comm.size > 1:
+            arrived = swap(comm, arrived, *self.counts)
+        found = np.zeros((len(self.keys), arrived.shape[1]))
         found[self.place] = arrived
-        return found
+        n = u.shape[1]
+        return found[:, :n].copy(), found[:, n:].copy().view(values.dtype).reshape(-1)
 
 
 def marked(count: int, parts: list[np.ndarray]) -> np.ndarray:

@@ -89,8 +89,9 @@ def moving_of(table: Table, every: np.ndarray, travel: float, moving: np.ndarray
         marks[near] = True
         first, count = surface.start[near], np.diff(surface.start)[near]
         row = np.repeat(first - np.cumsum(count) + count, count) + np.arange(count.sum())
-        more = np.unique(surface.beside[row])
-        near = more[~marks[more]]
+        fresh = np.zeros(len(marks), bool)
+        fresh[surface.beside[row]] = True
+        near = np.flatnonzero(fresh & ~marks)
     marks[near] = True
     marks[every["facet"][every["facet"] < len(marks)]] = True
     wide = np.unique(every["facet"][every["facet"] >= len(marks)])
