@@ -25,7 +25,7 @@ from pgimp.kernels.contact.surfaces.motion import (
 from pgimp.kernels.rigid.bodies import arm_of
 
 #: Cells by which a patch moves beside another body before the facets next to it are found anew.
-WALK = 2e-3
+WALK = 1e-4
 
 #: Cells from the middle facet of a patch to what is around it, and meets it; and over the greatest
 #: distance between vertices of a cell and its middle.
