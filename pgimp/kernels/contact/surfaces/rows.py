@@ -24,8 +24,9 @@ from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.jit.vectors.lanes import sum_of
 from pgimp.jit.vectors.rows import load_row, store_row
 from pgimp.kernels.contact.data import clear_pair
-from pgimp.kernels.contact.impulses.coupling import release_across, set_answer, velocity_before
+from pgimp.kernels.contact.impulses.coupling import release_across, set_answer, velocity_of
 from pgimp.kernels.contact.impulses.pairs import SIDES
+from pgimp.kernels.contact.impulses.reference_grid import OF_VELOCITY, OF_VELOCITY_BEFORE
 from pgimp.kernels.contact.impulses.warm_start import kept_acceleration
 from pgimp.kernels.contact.surfaces.levels import (
     AREA,
@@ -49,6 +50,10 @@ from pgimp.physics.contact.base import TIED
 #: Cells by which overlapping surfaces part in a step, at most, if they did not approach; others
 #: than rigid ones beyond what compliance takes, see `solve_softly`.
 PARTS = 2e-5
+
+#: Factor by which the length d that a step asks for is above the one that it has, if pairs are set
+#: anew.
+WIDER = 2.0
 
 
 @inner_kernel
@@ -138,11 +143,12 @@ def _add_row(frame, surface, cells, group, own, at, scratch, coupling):
 
 
 @inner_kernel
-def _set_pair(contact, surface, group, side, law, size, pair):
-    """Set the state of a pair, given its facets, and their weights; returns whether it is one.
+def _set_pair(contact, surface, group, side, law, size, pair, width):
+    """Set the state of a pair, given its facets, and their weights; returns the length d, or 0.
 
-    `group` is as in `_add_row`, with the number of these facets, the area of the patch, and the
-    deepest one; `size` are the least side of a cell, the step, and kept forces.
+    There is no pair if that is 0. `group` is as in `_add_row`, with the number of these facets, the
+    area of the patch, and the deepest one; `size` are the least side of a cell, the step, and kept
+    forces; d is at least `width`.
     """
     (every, own, numbers, (count, all_of_it, deepest)), (cell, dt, kept), (end, row, rigid) = (
         group, size, pair
@@ -151,7 +157,7 @@ def _set_pair(contact, surface, group, side, law, size, pair):
     a, b = surface.body[every[deepest].facet], every[deepest].body
     tied = pairs.kind[entry - 1] == TIED
     if not least < near:
-        return False
+        return 0.0
     normal, shear, reach = pairs.adhesion[entry - 1]
     glued = 0.0
     clear_pair(row)
@@ -159,7 +165,7 @@ def _set_pair(contact, surface, group, side, law, size, pair):
     end.bodies[0], end.bodies[1] = (b, a) if swapped else (a, b)
     end.vertex[0], end.vertex[1] = surface.patch[every[deepest].facet], b
     end.vertex[2] = SIDES + side
-    width = max(FADES * cell, FOLLOWS * dt * dt * kept_acceleration(kept, end))
+    width = max(width, FADES * cell, FOLLOWS * dt * dt * kept_acceleration(kept, end))
     above = NEAR * cell if tied else level(own, count, all_of_it, least, width)
     whole, gap, sign = 0.0, above - width, 1.0 if swapped else -1.0
     if width > FADES * cell and not tied:
@@ -182,7 +188,7 @@ def _set_pair(contact, surface, group, side, law, size, pair):
             rigid[2, d] += w * surface.now[s, d]
     square = row.normal[0] ** 2 + row.normal[1] ** 2 + row.normal[2] ** 2
     if not square > 0.0:
-        return False
+        return 0.0
     inverse = 1.0 / sqrt(square)
     for d in range(3):
         row.normal[d] *= inverse
@@ -197,7 +203,7 @@ def _set_pair(contact, surface, group, side, law, size, pair):
         every[numbers[NUMBER, m]].weight = own[WEIGHT, m]
     pressed = pressed_area(surface, own, numbers, count, least, cell)
     row.area = max(row.area, pressed, glued)
-    return True
+    return width
 
 
 @inlined
@@ -219,6 +225,46 @@ def _rigid_velocity(rigid_bodies, s, place, before):
         v[1] + v[5] * r[0] - v[3] * r[2],
         v[2] + v[3] * r[1] - v[4] * r[0],
     )
+
+
+@inner_kernel
+def _set_rows(contact, frame, of, at, scratch, coupling):
+    """Set the rows of a pair, velocities of rigid ends, and how fast its ends parted before.
+
+    `of` are the surface, its cells, whether the law has the bodies the other way round, and group
+    and pair of `_set_pair`; `at` are numbers of rows and of entries so far. Returns both, and the
+    velocity at which the ends come nearer without contact.
+    """
+    (surface, cells, swapped, (every, own, numbers, gathered), (end, row, rigid)), (rows, used) = (
+        of, at
+    )  # fmt: skip
+    near, values, coming, start = every[gathered[2]], scratch[0], 0.0, coupling.start
+    end.parted = 0.0
+    for a in range(2):
+        body, is_own = end.bodies[a], (a == 1) == swapped
+        f = near.facet if is_own else near.other
+        v, before = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        if f < 0 or surface.cell[f] < 0:
+            end.rows[a] = -1 - body
+            v = _rigid_velocity(contact.rigid_bodies, -1 - body, rigid[2], False)
+            before = _rigid_velocity(contact.rigid_bodies, -1 - body, rigid[2], True)
+            rigid[a, 0], rigid[a, 1], rigid[a, 2] = v
+        else:
+            end.rows[a], facets = rows, (every, own, numbers, gathered[0])
+            place = rows, used
+            used = _add_row(frame, surface, cells, facets, is_own, place, scratch, coupling)
+            start[rows + 1] = used
+            if used <= len(coupling.column):
+                set_answer(coupling, rows, values)
+                release_across(coupling, rows, values, row.normal)
+                v = velocity_of(coupling, rows, values, OF_VELOCITY)
+                before = velocity_of(coupling, rows, values, OF_VELOCITY_BEFORE)
+            rows += 1
+        for d in range(3):
+            along = (2.0 * a - 1.0) * row.normal[d]
+            coming -= along * v[d]
+            end.parted += along * before[d]
+    return rows, used, coming
 
 
 @kernel
@@ -275,33 +321,18 @@ def find_patch_pairs(
             if deepest < 0 or every[gathered[2]].gap < every[deepest].gap:
                 deepest = gathered[2]
             group, pair = (every, own, numbers, gathered), (end, row, rigid)
-            if not _set_pair(contact, surface, group, side, law, (cell, dt, kept), pair):
+            size, began = (cell, dt, kept), (rows, used)
+            width = _set_pair(contact, surface, group, side, law, size, pair, 0.0)
+            if not width > 0.0:
                 continue
-            for a in range(2):
-                body = end.bodies[a]
-                is_own = (a == 1) == law[1]
-                f = s if is_own else every[gathered[2]].other
-                if f < 0 or surface.cell[f] < 0:
-                    end.rows[a] = -1 - body
-                    v = _rigid_velocity(contact.rigid_bodies, -1 - body, rigid[2], False)
-                    rigid[a, 0], rigid[a, 1], rigid[a, 2] = v
-                    continue
-                end.rows[a] = rows
-                at, facets = (rows, used), (every, own, numbers, gathered[0])
-                used = _add_row(frame, surface, cells, facets, is_own, at, room, coupling)
-                start[rows + 1] = used
-                if used <= len(coupling.column):
-                    set_answer(coupling, rows, values)
-                    release_across(coupling, rows, values, row.normal)
-                rows += 1
-            end.parted = 0.0
-            for a in range(2 if used <= len(coupling.column) else 0):
-                if end.rows[a] < 0:
-                    v = _rigid_velocity(contact.rigid_bodies, end.rows[a], rigid[2], True)
-                else:
-                    v = velocity_before(coupling, end.rows[a], values)
-                for d in range(3):
-                    end.parted += (2.0 * a - 1.0) * row.normal[d] * v[d]
+            of = surface, cells, law[1], group, pair
+            rows, used, coming = _set_rows(contact, frame, of, began, room, coupling)
+            wider = FOLLOWS * dt * (coming - row.gap_rate)
+            if wider > WIDER * width:
+                for n in range(began[1], min(used, len(coupling.column))):
+                    seen[coupling.column[n], 0] = -1
+                _set_pair(contact, surface, group, side, law, size, pair, wider)
+                rows, used, _ = _set_rows(contact, frame, of, began, room, coupling)
             if end.rows[0] < 0 and end.rows[1] < 0:
                 row.gap_rate = max(row.gap_rate, -PARTS * cell / dt)
             pairs += 1
