@@ -7,9 +7,12 @@ and constraints bear their share, as for all forces there.
 from pgimp.jit.kernel import inlined, inner_kernel, kernel
 from pgimp.kernels.contact.books import book, book_rigid_bodies, losses_of
 from pgimp.kernels.contact.impulses.coupling import velocity_of
-from pgimp.kernels.contact.impulses.reference_grid import OF_VELOCITY_BEFORE
 from pgimp.kernels.contact.impulses.gauss_seidel import impulse_of, load_pair
-from pgimp.kernels.contact.impulses.reference_grid import key_bits, offset_of_key
+from pgimp.kernels.contact.impulses.reference_grid import (
+    OF_VELOCITY_BEFORE,
+    key_bits,
+    offset_of_key,
+)
 from pgimp.kernels.contact.impulses.rigid_ends import is_free
 from pgimp.kernels.data.ledger import (
     CONTACT_AREA,
