@@ -20,12 +20,12 @@ the mean of both velocities, which is what contact does to the energy, is never 
 
 from math import sqrt
 
-from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
+from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.contact.data import clear_pair
 from pgimp.kernels.contact.impulses.coupling import release_across, set_answer, velocity_of
 from pgimp.kernels.contact.impulses.pairs import SIDES
 from pgimp.kernels.contact.impulses.reference_grid import OF_VELOCITY, OF_VELOCITY_BEFORE
-from pgimp.kernels.contact.impulses.warm_start import kept_acceleration
+from pgimp.kernels.contact.impulses.warm_start import kept_of
 from pgimp.kernels.contact.surfaces.entries import add_row
 from pgimp.kernels.contact.surfaces.levels import (
     AREA,
@@ -42,7 +42,13 @@ from pgimp.kernels.contact.surfaces.levels import (
     level,
 )
 from pgimp.kernels.contact.surfaces.pressed import pressed_area
-from pgimp.kernels.rigid.bodies import arm_of
+from pgimp.kernels.contact.surfaces.stiff import (
+    are_stiff,
+    foresee,
+    free_acceleration,
+    lean,
+    rigid_velocity,
+)
 from pgimp.physics.contact.base import TIED
 
 #: Cells by which overlapping surfaces part in a step, at most, if they did not approach; others
@@ -77,10 +83,18 @@ def _set_pair(contact, surface, group, side, law, size, pair, width):
     end.bodies[0], end.bodies[1] = (b, a) if swapped else (a, b)
     end.vertex[0], end.vertex[1] = surface.patch[every[deepest].facet], b
     end.vertex[2] = SIDES + side
-    width = max(width, FADES * cell, FOLLOWS * dt * dt * kept_acceleration(kept, end))
+    m, stiff = kept_of(kept, end), not tied and are_stiff(contact, surface, every[deepest])
+    width = max(width, FADES * cell)
+    if m >= 0:
+        width = max(width, FOLLOWS * dt * dt * kept[m].acceleration)
+    if stiff:
+        least, width = foresee(contact, surface, group, cell, dt)
+        if m >= 0:
+            pushed = free_acceleration(contact.rigid_bodies, end, kept[m].force)
+            width = max(width, FOLLOWS * dt * dt * pushed)
     above = NEAR * cell if tied else level(own, count, all_of_it, least, width)
-    whole, gap, sign = 0.0, above - width, 1.0 if swapped else -1.0
-    if width > FADES * cell and not tied:
+    whole, gap, sign = 0.0, 0.0 if stiff else above - width, 1.0 if swapped else -1.0
+    if width > FADES * cell and not (tied or stiff):
         gap = level(own, count, all_of_it, least, FADES * cell) - FADES * cell
     for k in range(3):
         for d in range(3):
@@ -98,6 +112,8 @@ def _set_pair(contact, surface, group, side, law, size, pair, width):
         for d in range(3):
             row.normal[d] += sign * w * one.normal[d]
             rigid[2, d] += w * surface.now[s, d]
+        if stiff:
+            gap += w * one.gap - lean(surface, one, s, depth, w, rigid[2])
     square = row.normal[0] ** 2 + row.normal[1] ** 2 + row.normal[2] ** 2
     if not square > 0.0:
         return 0.0
@@ -105,6 +121,8 @@ def _set_pair(contact, surface, group, side, law, size, pair, width):
     for d in range(3):
         row.normal[d] *= inverse
         rigid[2, d] /= whole
+    if stiff:
+        gap /= whole
     # Facets beyond these are of material in the current configuration: it does not part.
     parts = every[deepest].other >= len(surface.patch)
     row.gap_rate = (max(gap, 0.0) if parts else gap) / dt
@@ -116,27 +134,6 @@ def _set_pair(contact, surface, group, side, law, size, pair, width):
     pressed = pressed_area(surface, own, numbers, count, least, cell)
     row.area = max(row.area, pressed, glued)
     return width
-
-
-@inlined
-def _rigid_velocity(rigid_bodies, s, place, before):
-    """Velocity of a rigid end before the step or after it. Walls are at rest.
-
-    `s` is as in `load_rigid`.
-    """
-    if not is_record(rigid_bodies):
-        return 0.0, 0.0, 0.0
-    t = -1 - s - rigid_bodies.bodies
-    if t >= len(rigid_bodies.motion):
-        return 0.0, 0.0, 0.0
-    motion = rigid_bodies.motion[t]
-    v = motion.velocity_before if before else motion.velocity_after
-    r = arm_of(rigid_bodies, t, (place[0], place[1], place[2]))
-    return (
-        v[0] + v[4] * r[2] - v[5] * r[1],
-        v[1] + v[5] * r[0] - v[3] * r[2],
-        v[2] + v[3] * r[1] - v[4] * r[0],
-    )
 
 
 @inner_kernel
@@ -158,8 +155,8 @@ def _set_rows(contact, frame, of, at, scratch, coupling):
         v, before = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         if f < 0 or surface.cell[f] < 0:
             end.rows[a] = -1 - body
-            v = _rigid_velocity(contact.rigid_bodies, -1 - body, rigid[2], False)
-            before = _rigid_velocity(contact.rigid_bodies, -1 - body, rigid[2], True)
+            v = rigid_velocity(contact.rigid_bodies, -1 - body, rigid[2], False)
+            before = rigid_velocity(contact.rigid_bodies, -1 - body, rigid[2], True)
             rigid[a, 0], rigid[a, 1], rigid[a, 2] = v
         else:
             end.rows[a], facets = rows, (every, own, numbers, gathered[0])
@@ -240,7 +237,8 @@ def find_patch_pairs(
             of = surface, cells, law[1], group, pair
             rows, used, coming = _set_rows(contact, frame, of, began, room, coupling)
             wider = FOLLOWS * dt * (coming - row.gap_rate)
-            if wider > WIDER * width:
+            moves = end.rows[0] >= 0 or end.rows[1] >= 0  # rigid ones foresee it
+            if moves and wider > WIDER * width:
                 for n in range(began[1], min(used, len(coupling.column))):
                     seen[coupling.column[n], 0] = -1
                 _set_pair(contact, surface, group, side, law, size, pair, wider)
