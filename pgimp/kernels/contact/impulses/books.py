@@ -6,9 +6,13 @@ and constraints bear their share, as for all forces there.
 
 from pgimp.jit.kernel import inlined, inner_kernel, kernel
 from pgimp.kernels.contact.books import book, book_rigid_bodies, losses_of
-from pgimp.kernels.contact.impulses.coupling import velocity_before
+from pgimp.kernels.contact.impulses.coupling import velocity_of
 from pgimp.kernels.contact.impulses.gauss_seidel import impulse_of, load_pair
-from pgimp.kernels.contact.impulses.reference_grid import key_bits, offset_of_key
+from pgimp.kernels.contact.impulses.reference_grid import (
+    OF_VELOCITY_BEFORE,
+    key_bits,
+    offset_of_key,
+)
 from pgimp.kernels.contact.impulses.rigid_ends import is_free
 from pgimp.kernels.data.ledger import (
     CONTACT_AREA,
@@ -90,7 +94,7 @@ def _load_before(contact, end, rigid, coupling, values):
         field, sign = contact.fields[a], 2.0 * a - 1.0
         before = (rigid[a, 0], rigid[a, 1], rigid[a, 2])
         if end.rows[a] >= 0:
-            before = velocity_before(coupling, end.rows[a], values)
+            before = velocity_of(coupling, end.rows[a], values, OF_VELOCITY_BEFORE)
         free = free or is_free(contact.rigid_bodies, end.rows[a])
         for d in range(3):
             field.velocity_before[d] = before[d]

@@ -7,7 +7,7 @@ import numpy as np
 from pgimp.jit.kernel import inner_kernel
 from pgimp.jit.vectors.rows import load_row
 from pgimp.jit.vectors.simd import lane, vector, where
-from pgimp.kernels.contact.impulses.reference_grid import OF_INVERSE_MASS, OF_VELOCITY_BEFORE
+from pgimp.kernels.contact.impulses.reference_grid import OF_INVERSE_MASS
 from pgimp.kernels.data.particles import FloatArray, IntArray
 
 #: Least part of the squares of a row of B at free vertices. Below it the few free vertices would
@@ -70,9 +70,9 @@ def release_across(coupling, r, numbers, normal):
 
 
 @inner_kernel
-def velocity_before(coupling, r, numbers):
-    """Velocity before the step at a contact vertex, by row `r` of B."""
+def velocity_of(coupling, r, numbers, first):
+    """Velocity at a contact vertex, by row `r` of B; that of vertices is from `first` on."""
     v = vector(0.0)
     for k in range(coupling.start[r], coupling.start[r + 1]):
-        v = coupling.entry[k, 0] * load_row(numbers, coupling.column[k], OF_VELOCITY_BEFORE) + v
+        v = coupling.entry[k, 0] * load_row(numbers, coupling.column[k], first) + v
     return lane(v, 0), lane(v, 1), lane(v, 2)

@@ -31,8 +31,8 @@ REFERENCE_VERTEX = structure(
     ("__", "f8"),
 )
 
-#: Numbers in a reference vertex, and the first ones of its inverse mass and of its velocity before.
-NUMBERS, OF_INVERSE_MASS, OF_VELOCITY_BEFORE = 12, 4, 8
+#: Numbers in a reference vertex, and the first ones of its vectors.
+NUMBERS, OF_VELOCITY, OF_INVERSE_MASS, OF_VELOCITY_BEFORE = 12, 0, 4, 8
 
 
 class ReferenceVertices(NamedTuple):

@@ -12,7 +12,8 @@ Where a patch tilts, pressure p moves towards what is deepest: a spring against 
 area. Weights of a step are those at its begin, so that the spring is explicit. In a grid of cells h
 it has omega^2 = 2 p/(3 rho h d) = a/(3 d), with the acceleration a of vertices at the surface by
 even pressure. So d is a dt^2/4 at least, with the acceleration a that contact gave the patch in the
-last step. The gap has the least d: a constraint that changes as d does would take energy.
+last step; or much more in this one, if a patch begins to touch: what ends the way beyond its gap.
+The gap has the least d: a constraint that changes as d does would take energy.
 """
 
 from math import inf, sqrt

@@ -21,12 +21,12 @@ the mean of both velocities, which is what contact does to the energy, is never 
 from math import sqrt
 
 from pgimp.jit.kernel import inner_kernel, kernel
-from pgimp.jit.vectors.lanes import sum_of
-from pgimp.jit.vectors.rows import load_row, store_row
 from pgimp.kernels.contact.data import clear_pair
-from pgimp.kernels.contact.impulses.coupling import release_across, set_answer, velocity_before
+from pgimp.kernels.contact.impulses.coupling import release_across, set_answer, velocity_of
 from pgimp.kernels.contact.impulses.pairs import SIDES
+from pgimp.kernels.contact.impulses.reference_grid import OF_VELOCITY, OF_VELOCITY_BEFORE
 from pgimp.kernels.contact.impulses.warm_start import kept_of
+from pgimp.kernels.contact.surfaces.entries import add_row
 from pgimp.kernels.contact.surfaces.levels import (
     AREA,
     FACET,
@@ -42,7 +42,6 @@ from pgimp.kernels.contact.surfaces.levels import (
     level,
 )
 from pgimp.kernels.contact.surfaces.pressed import pressed_area
-from pgimp.kernels.contact.surfaces.spread import spread_weights
 from pgimp.kernels.contact.surfaces.stiff import (
     are_stiff,
     foresee,
@@ -56,99 +55,18 @@ from pgimp.physics.contact.base import TIED
 #: than rigid ones beyond what compliance takes, see `solve_softly`.
 PARTS = 2e-5
 
-
-@inner_kernel
-def _add_cell(D, cells, c, place, at, seen, coupling):
-    """Add to a row the sums over places in a cell, by its vertices; clears the sums.
-
-    `place` are all sums, and the row of these; `at` is as in `_add_row`. Returns the number of
-    entries.
-    """
-    (r, used), (sums, m), column, entry = at, place, coupling.column, coupling.entry
-    for k in range(cells.start[c], cells.start[c + 1]):
-        w, j = 0.0, cells.column[k]
-        if D == 3:
-            part = load_row(cells.weight, k, 0) * load_row(sums, m, 0)
-            part = load_row(cells.weight, k, 4) * load_row(sums, m, 4) + part
-            w = sum_of(part)
-        else:
-            for corner in range(1 << D):
-                w += cells.weight[k, corner] * sums[m, corner]
-        if w == 0.0:
-            continue
-        if seen[j, 0] != r:
-            if used < len(column):
-                seen[j, 0], seen[j, 1], column[used], entry[used, 0] = r, used, j, w
-            used += 1
-        elif seen[j, 1] < len(column):
-            entry[seen[j, 1], 0] += w
-    for corner in range(1 << D):
-        sums[m, corner] = 0.0
-    return used
+#: Factor by which the length d that a step asks for is above the one that it has, if pairs are set
+#: anew.
+WIDER = 2.0
 
 
 @inner_kernel
-def _add_places(D, sums, m, part, weights, row):
-    """Add a part of the weights at a place to the sums of its cell."""
-    if D == 3:
-        store_row(sums, m, 0, part * load_row(weights, row, 0) + load_row(sums, m, 0))
-        store_row(sums, m, 4, part * load_row(weights, row, 4) + load_row(sums, m, 4))
-    else:
-        for corner in range(1 << D):
-            sums[m, corner] += part * weights[row, corner]
+def _set_pair(contact, surface, group, side, law, size, pair, width):
+    """Set the state of a pair, given its facets, and their weights; returns the length d, or 0.
 
-
-@inner_kernel
-def _add_row(frame, surface, cells, group, own, at, scratch, coupling):
-    """Add a row of a patch's own body, or of the other; returns the number of entries.
-
-    `group` are candidates, with those of the patch from `gather`; `at` the number of the row, and
-    of entries so far.
-    """
-    (_, seen, (sums, known), pieces, kept), (every, gathered, numbers, count) = scratch, group
-    D, found, m, (r, used) = len(frame.cell), 0, 0, at
-    for n in range(count):
-        part, f = gathered[WEIGHT, n], numbers[FACET, n]
-        if part == 0.0:
-            continue
-        near, several = every[numbers[NUMBER, n]], 1
-        if not own:
-            f, several = near.other, near.pieces
-            if several == 0:
-                several = spread_weights(D, cells, surface.cell[f], near, pieces)
-        for k in range(several):
-            cell = surface.cell[f]
-            if not own:
-                cell = kept[0][near.piece + k] if near.pieces > 0 else pieces[0][k]
-            if found == 0 or known[m] != cell:
-                m = 0
-                while m < found and known[m] != cell:
-                    m += 1
-                if m == len(known):  # many cells: begin anew
-                    for each in range(found):
-                        place = sums, each
-                        used = _add_cell(D, cells, known[each], place, (r, used), seen, coupling)
-                    m, found = 0, 0
-                if m == found:
-                    known[m] = cell
-                    found += 1
-            if own:
-                _add_places(D, sums, m, part, surface.means, f)
-            elif near.pieces > 0:
-                _add_places(D, sums, m, part, kept[1], near.piece + k)
-            else:
-                _add_places(D, sums, m, part, pieces[1], k)
-    for each in range(found):
-        used = _add_cell(D, cells, known[each], (sums, each), (r, used), seen, coupling)
-    return used
-
-
-@inner_kernel
-def _set_pair(contact, surface, group, side, law, size, pair):
-    """Set the state of a pair, given its facets, and their weights; returns whether it is one.
-
-    `group` is as in `_add_row`, with the number of these facets, the area of the patch, and the
-    deepest one; `size` are the least side of a cell, the step, and kept forces.
+    There is no pair if that is 0. `group` is as in `add_row`, with the number of these facets, the
+    area of the patch, and the deepest one; `size` are the least side of a cell, the step, and kept
+    forces; d is at least `width`.
     """
     (every, own, numbers, (count, all_of_it, deepest)), (cell, dt, kept), (end, row, rigid) = (
         group, size, pair
@@ -157,7 +75,7 @@ def _set_pair(contact, surface, group, side, law, size, pair):
     a, b = surface.body[every[deepest].facet], every[deepest].body
     tied = pairs.kind[entry - 1] == TIED
     if not least < near:
-        return False
+        return 0.0
     normal, shear, reach = pairs.adhesion[entry - 1]
     glued = 0.0
     clear_pair(row)
@@ -166,7 +84,9 @@ def _set_pair(contact, surface, group, side, law, size, pair):
     end.vertex[0], end.vertex[1] = surface.patch[every[deepest].facet], b
     end.vertex[2] = SIDES + side
     m, stiff = kept_of(kept, end), not tied and are_stiff(contact, surface, every[deepest])
-    width = max(FADES * cell, FOLLOWS * dt * dt * kept[m].acceleration if m >= 0 else 0.0)
+    width = max(width, FADES * cell)
+    if m >= 0:
+        width = max(width, FOLLOWS * dt * dt * kept[m].acceleration)
     if stiff:
         least, width = foresee(contact, surface, group, cell, dt)
         if m >= 0:
@@ -196,7 +116,7 @@ def _set_pair(contact, surface, group, side, law, size, pair):
             gap += w * one.gap - lean(surface, one, s, depth, w, rigid[2])
     square = row.normal[0] ** 2 + row.normal[1] ** 2 + row.normal[2] ** 2
     if not square > 0.0:
-        return False
+        return 0.0
     inverse = 1.0 / sqrt(square)
     for d in range(3):
         row.normal[d] *= inverse
@@ -213,7 +133,47 @@ def _set_pair(contact, surface, group, side, law, size, pair):
         every[numbers[NUMBER, m]].weight = own[WEIGHT, m]
     pressed = pressed_area(surface, own, numbers, count, least, cell)
     row.area = max(row.area, pressed, glued)
-    return True
+    return width
+
+
+@inner_kernel
+def _set_rows(contact, frame, of, at, scratch, coupling):
+    """Set the rows of a pair, velocities of rigid ends, and how fast its ends parted before.
+
+    `of` are the surface, its cells, whether the law has the bodies the other way round, and group
+    and pair of `_set_pair`; `at` are numbers of rows and of entries so far. Returns both, and the
+    velocity at which the ends come nearer without contact.
+    """
+    (surface, cells, swapped, (every, own, numbers, gathered), (end, row, rigid)), (rows, used) = (
+        of, at
+    )  # fmt: skip
+    near, values, coming, start = every[gathered[2]], scratch[0], 0.0, coupling.start
+    end.parted = 0.0
+    for a in range(2):
+        body, is_own = end.bodies[a], (a == 1) == swapped
+        f = near.facet if is_own else near.other
+        v, before = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        if f < 0 or surface.cell[f] < 0:
+            end.rows[a] = -1 - body
+            v = rigid_velocity(contact.rigid_bodies, -1 - body, rigid[2], False)
+            before = rigid_velocity(contact.rigid_bodies, -1 - body, rigid[2], True)
+            rigid[a, 0], rigid[a, 1], rigid[a, 2] = v
+        else:
+            end.rows[a], facets = rows, (every, own, numbers, gathered[0])
+            place = rows, used
+            used = add_row(frame, surface, cells, facets, is_own, place, scratch, coupling)
+            start[rows + 1] = used
+            if used <= len(coupling.column):
+                set_answer(coupling, rows, values)
+                release_across(coupling, rows, values, row.normal)
+                v = velocity_of(coupling, rows, values, OF_VELOCITY)
+                before = velocity_of(coupling, rows, values, OF_VELOCITY_BEFORE)
+            rows += 1
+        for d in range(3):
+            along = (2.0 * a - 1.0) * row.normal[d]
+            coming -= along * v[d]
+            end.parted += along * before[d]
+    return rows, used, coming
 
 
 @kernel
@@ -270,33 +230,19 @@ def find_patch_pairs(
             if deepest < 0 or every[gathered[2]].gap < every[deepest].gap:
                 deepest = gathered[2]
             group, pair = (every, own, numbers, gathered), (end, row, rigid)
-            if not _set_pair(contact, surface, group, side, law, (cell, dt, kept), pair):
+            size, began = (cell, dt, kept), (rows, used)
+            width = _set_pair(contact, surface, group, side, law, size, pair, 0.0)
+            if not width > 0.0:
                 continue
-            for a in range(2):
-                body = end.bodies[a]
-                is_own = (a == 1) == law[1]
-                f = s if is_own else every[gathered[2]].other
-                if f < 0 or surface.cell[f] < 0:
-                    end.rows[a] = -1 - body
-                    v = rigid_velocity(contact.rigid_bodies, -1 - body, rigid[2], False)
-                    rigid[a, 0], rigid[a, 1], rigid[a, 2] = v
-                    continue
-                end.rows[a] = rows
-                at, facets = (rows, used), (every, own, numbers, gathered[0])
-                used = _add_row(frame, surface, cells, facets, is_own, at, room, coupling)
-                start[rows + 1] = used
-                if used <= len(coupling.column):
-                    set_answer(coupling, rows, values)
-                    release_across(coupling, rows, values, row.normal)
-                rows += 1
-            end.parted = 0.0
-            for a in range(2 if used <= len(coupling.column) else 0):
-                if end.rows[a] < 0:
-                    v = rigid_velocity(contact.rigid_bodies, end.rows[a], rigid[2], True)
-                else:
-                    v = velocity_before(coupling, end.rows[a], values)
-                for d in range(3):
-                    end.parted += (2.0 * a - 1.0) * row.normal[d] * v[d]
+            of = surface, cells, law[1], group, pair
+            rows, used, coming = _set_rows(contact, frame, of, began, room, coupling)
+            wider = FOLLOWS * dt * (coming - row.gap_rate)
+            moves = end.rows[0] >= 0 or end.rows[1] >= 0  # rigid ones foresee it
+            if moves and wider > WIDER * width:
+                for n in range(began[1], min(used, len(coupling.column))):
+                    seen[coupling.column[n], 0] = -1
+                _set_pair(contact, surface, group, side, law, size, pair, wider)
+                rows, used, _ = _set_rows(contact, frame, of, began, room, coupling)
             if end.rows[0] < 0 and end.rows[1] < 0:
                 row.gap_rate = max(row.gap_rate, -PARTS * cell / dt)
             pairs += 1

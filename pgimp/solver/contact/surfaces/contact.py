@@ -141,7 +141,8 @@ class SurfaceContact(ImpulseContact):
     def overrun(self, rank: RankState, done: Step) -> list[str]:
         """See `NoContact.overrun`."""
         said = self._depth.look(self.comm)
-        if self._table is None or not self._watch.due(done):
+        due, end = self._watch.due(done), float(self.scene.case.time.end)
+        if self._table is None or not (due or said or done.end > end - 0.5 * done.dt):
             return said
         u = self._proximity.all_displacements(rank, self._table)
         if self.comm.rank > 0:

@@ -22,7 +22,8 @@ from pgimp.solver.time.clock import Step
 #: Cells by which surfaces may overlap without a word.
 MOST = 0.05
 
-#: Steps between two looks, at least.
+#: Steps between two looks, at least. There is one besides as soon as surfaces overlap too much, and
+#: at the end: a blow may be over by then.
 PAUSE = 200
 
 #: Solid angle all round a point, by dimensions, and diameters of a cluster beyond which its facets

@@ -133,6 +133,20 @@ def test_surfaces_that_overlap_by_more_than_a_twentieth_of_a_cell_are_told(depth
         assert f"was {depth:.2g} cells deep" in said[0] and "near (5.7, " in said[0]
 
 
+def test_what_is_overrun_in_a_short_run_is_told_at_its_end():
+    """A look each 200 steps would miss it; so would what meets: it is deeper than that sees."""
+    sim = start(two(2, box_of([6.0, 2.6], [9.2, 5.1]), [12, 9]))
+    sim.advance()
+    rank, contact, now = sim.rank, sim.rank.contact, sim.now
+    assert not contact.overrun(rank, now)
+    surface = contact.known(rank).surface
+    gone = np.unique(contact.known(rank).cells.corners[surface.cell[surface.body == 1]])
+    records = contact.proximity._records[gone]
+    rank.grid.kept.values.reshape(-1, RECORD)[records, DISPLACEMENT] -= 0.3 + 1.5
+    assert not contact.overrun(rank, now._replace(number=9, end=9e-3))
+    assert "was overrun" in contact.overrun(rank, now._replace(number=10, end=1e-2))[0]
+
+
 def test_bodies_that_are_gone_are_not_looked_for_across_seams():
     bodies = {name: box([low, 2.6], [low + 2.5, 4.6]) | EXACT
               for name, low in (("left", 0.3), ("right", 4.1), ("goes", 7.9))}  # fmt: skip

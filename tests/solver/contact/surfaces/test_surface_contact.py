@@ -286,6 +286,25 @@ def test_long_steps_lose_no_more_of_a_hard_blow():
     assert 0.9 < kept[0] < 1.0 and abs(kept[1] - kept[0]) < 0.03
 
 
+@pytest.mark.parametrize("angle, v", [(2.0, 0.5), wide(1.0, 0.3)])
+def test_a_face_that_tilts_does_not_sink_in_as_it_meets_a_floor_within_a_step(angle, v):
+    """It was stopped where it was nearest before the step, and turned in by a quarter of a cell.
+
+    A twentieth is where a run would say that stress is wrong.
+    """
+    side, at = 6.0, np.radians(angle)
+    middle = np.array([7.13, 2.1 + 0.5 * side * (np.cos(at) + np.sin(at))])
+    bodies = {
+        "a": exact(turned(middle, [side, side], angle)[0], velocity=[0.0, -v * C]),
+        "b": {"rigid": {}, "region": box([0.5, 0.5], [15.5, 2.0])},
+    }
+    sim = start(case_of(bodies, [16, 16], 8.0 / C, step={"courant": 0.6}))
+    begin = energy(sim.diagnostics())
+    deep, most, last = watched(sim)
+    assert last["body.a.momentum-y"] > 0.0 and most < begin
+    assert deep < 0.05
+
+
 def test_a_blow_of_a_disk_loses_the_same_in_any_steps_and_all_of_it_is_booked():
     """Contact wanders from facet to facet: overlaps at a step's end were forgotten, with their way.
 
