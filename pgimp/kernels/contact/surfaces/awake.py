@@ -149,6 +149,15 @@ def _wakes(contact, surface, known, now, body, way, cell):
     return False, False
 
 
+@inner_kernel
+def choose(surface, f, at):
+    """Choose a facet to be moved, unless it is chosen; see `find_awake` for both of `at`."""
+    chosen, count = at
+    if surface.now[f, 0] == inf:
+        surface.now[f, 0], chosen[count[0]] = 0.0, f
+        count[0] += 1
+
+
 @kernel
 def find_awake(frame, contact, surface, moved, dt, near, moving, scratch) -> tuple[int, int]:
     """Find the patches that may have a pair in a step, and the facets to be moved for them.
@@ -165,25 +174,32 @@ def find_awake(frame, contact, surface, moved, dt, near, moving, scratch) -> tup
         Facets near others, by patch and body. Which patches are awake, and walk, is set here.
     moving : tuple
         Facets that may be moved, (m,) int64, and the first of each patch, (patches + 1,); patches
-        beside each; (2, patches) uint8, which ones were moved in the step before, and 0; and
-        (m,) int64, set to the facets to be moved: of patches that are awake, and beside what they
-        meet. Where others are is no longer known.
-    scratch : ((2^D, 4) float64, (1, KNOWN) float64)
-        Scratch.
+        beside each; (patches,) bool, False. Then int64 with room for all: the facets moved in the
+        step before, set to those to be moved, candidates of patches that are awake and the facets
+        next to them; (1,) int64, their number. Of patches that walk all facets of what they meet
+        and what is beside are moved. Where others are is no longer known. Last whether all facets
+        of patches that are awake and of what they meet are wanted.
+    scratch : ((2^D, 4) float64, (patches, KNOWN) float64, (patches,) int64)
+        Scratch; then set for patches that are awake: what is known of them now, but `CLEAR`, and
+        the facet next to the middle one.
 
     Returns
     -------
     tuple of 2 int
         Numbers of patches that are awake, and of facets to be moved.
     """
-    (every, patches), (mobile, begin, around, marks, chosen) = near, moving
-    cell, awake, found = frame.cell[0], 0, 0
+    (every, patches), (_, _, _, _, chosen, moved_before, _) = near, moving
+    cell, awake, at = frame.cell[0], 0, (chosen, moved_before)
     for d in range(len(frame.cell)):
         cell = min(cell, frame.cell[d])
+    for n in range(moved_before[0]):
+        for d in range(3):
+            surface.now[chosen[n], d] = inf
+    moved_before[0] = 0
     for g in range(len(patches.start) - 1):
         first, last = patches.start[g], patches.start[g + 1]
         known, middle = patches.known[g], every[(first + last) // 2]
-        s, now = middle.facet, scratch[1][0]
+        s, now = middle.facet, scratch[1][awake]
         of = surface, moved, scratch[0], (s, middle.other)
         way = dt * set_place(frame, contact.rigid_bodies, *of, cell, now)
         body = surface.body[s], middle.body
@@ -195,24 +211,11 @@ def find_awake(frame, contact, surface, moved, dt, near, moving, scratch) -> tup
                 middle.side = RESTS
             continue
         patches.awake[awake], patches.ways[awake] = g, way
-        patches.walks[awake] = 1 if walks else 0
+        patches.walks[awake], scratch[2][awake] = 1 if walks else 0, middle.other
         awake += 1
-        marks[1, surface.patch[s]], q = 1, -1
         for n in range(first, last):
-            p = surface.patch[every[n].other] if every[n].other >= 0 else q
-            if p == q:
-                continue
-            marks[1, p], q = 1, p
-            for k in range(around[0][p], around[0][p + 1] if walks else around[0][p]):
-                marks[1, around[1][k]] = 1
-    for p in range(marks.shape[1]):
-        some = marks[0, p] != 0 or marks[1, p] != 0
-        for n in range(begin[p], begin[p + 1] if some else begin[p]):
-            if marks[1, p] != 0:
-                chosen[found] = mobile[n]
-                found += 1
-            else:
-                for d in range(3):
-                    surface.now[mobile[n], d] = inf
-        marks[0, p], marks[1, p] = marks[1, p], 0
-    return awake, found
+            choose(surface, every[n].facet, at)
+        for n in range(first, last):
+            if every[n].other >= 0:
+                choose(surface, every[n].other, at)
+    return awake, moved_before[0]

@@ -10,11 +10,10 @@ Where no facet of a patch can be near enough for a pair, none has a gap.
 from math import inf, sqrt
 
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
-from pgimp.kernels.contact.surfaces.awake import set_place
 from pgimp.kernels.contact.surfaces.data import CLEAR, turns
 from pgimp.kernels.contact.surfaces.levels import law_of
 from pgimp.kernels.contact.surfaces.motion import cofactors, gradient, set_polynomial, turned_normal
-from pgimp.kernels.contact.surfaces.nearest import ALIKE, FACES, STEEP, approach
+from pgimp.kernels.contact.surfaces.nearest import ALIKE, FACES, STEEP, approach, until_facing
 from pgimp.kernels.contact.surfaces.pressed import facing_part
 from pgimp.kernels.contact.surfaces.spread import (
     add_offset,
@@ -83,10 +82,11 @@ def _rigid_place(rigid_bodies, surface, x, near):
         return 1.0
     row = rigid_bodies.motion[near.body - rigid_bodies.bodies]
     for d in range(3):
-        own = row.reference[d]
+        own, n = row.reference[d], 0.0
         for k in range(3):
             own += row.rotation[k, d] * (x[k] - row.centre[k])
-        near.place[d], near.normal[d] = own, surface.turned[near.other, d]
+            n += row.rotation[d, k] * surface.normal[near.other, k]
+        near.place[d], near.normal[d] = own, n
     return 1.0
 
 
@@ -231,8 +231,8 @@ def _own(frame, cells, c, near, d):
 
 
 @inner_kernel
-def _find_wall_gaps(frame, walls, surface, every, first, last):
-    """Set the gaps of the facets of a patch before a wall; returns the least distance."""
+def _find_wall_gaps(frame, walls, surface, every, first, last, cell):
+    """Set the gaps of the facets of a patch before a wall; returns the way until one may close."""
     plane, least = walls.planes[every[first].body - walls.first], inf
     axis, side = plane.axis, 1.0 * plane.side
     at = frame.origin[axis] + (plane.vertex - frame.ghost) * frame.cell[axis]
@@ -240,7 +240,7 @@ def _find_wall_gaps(frame, walls, surface, every, first, last):
         near, s = every[n], every[n].facet
         same, away = -side * surface.turned[s, axis], (at - surface.now[s, axis]) * side
         near.gap, near.facing = away if same <= FACES else inf, facing_part(same)
-        least = min(least, away)
+        least = min(least, max(away, until_facing(same, FACES, cell)))
         for d in range(3):
             near.normal[d] = -side if d == axis else 0.0
     return least
@@ -264,7 +264,8 @@ def find_gaps(frame, contact, walls, surface, moved, scratch, far, near):
         Greatest distance: farther away the cell's displacements, extrapolated, may fold.
     near : ((n,) NEAR_FACET, Patches)
         The facets, by patch and body; `other` is where the search for the one next to them begins.
-        Those of patches that rest stay as they are. Of ways below 0 every gap is looked for.
+        Those of patches that rest stay as they are. Of ways below 0 every gap is looked for. Of
+        patches that walk `CLEAR` is set.
     """
     D, (cells, u), (every, patches) = len(frame.cell), moved, near
     cell, c, used = frame.cell[0], -1, 0
@@ -277,7 +278,7 @@ def find_gaps(frame, contact, walls, surface, moved, scratch, far, near):
         law = law_of(contact.pairs, surface.body[s], body, cell, patches.ways[k])
         looks = law[2] if patches.ways[k] >= 0.0 else inf
         if body >= walls.first:
-            clear = _find_wall_gaps(frame, walls, surface, every, first, last)
+            clear = _find_wall_gaps(frame, walls, surface, every, first, last, cell)
         for n in range(first, last if body < walls.first else first):
             every[n].gap, away = approach(D, surface, every[n], frame.cell[0], walks, far)
             least, clear = min(least, every[n].gap), min(clear, away)
@@ -292,8 +293,4 @@ def find_gaps(frame, contact, walls, surface, moved, scratch, far, near):
             used = _find_gap(frame, contact.rigid_bodies, surface, moved, scratch, one, used)
             c = surface.cell[one.other] if own >= 0 else c
         if walks:
-            known, middle = patches.known[g], every[(first + last) // 2]
-            known[CLEAR] = clear
-            of = surface, (cells, u, u), scratch[0], (middle.facet, middle.other)
-            set_place(frame, contact.rigid_bodies, *of, cell, known)
-            c = -1
+            patches.known[g, CLEAR] = clear

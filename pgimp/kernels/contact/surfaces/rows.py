@@ -26,7 +26,7 @@ from pgimp.jit.vectors.rows import load_row, store_row
 from pgimp.kernels.contact.data import clear_pair
 from pgimp.kernels.contact.impulses.coupling import release_across, set_answer, velocity_before
 from pgimp.kernels.contact.impulses.pairs import SIDES
-from pgimp.kernels.contact.impulses.warm_start import kept_acceleration
+from pgimp.kernels.contact.impulses.warm_start import find_kept
 from pgimp.kernels.contact.surfaces.levels import (
     AREA,
     FACET,
@@ -59,9 +59,12 @@ def _add_cell(D, cells, c, place, at, seen, coupling):
     entries.
     """
     (r, used), (sums, m), column, entry = at, place, coupling.column, coupling.entry
-    for k in range(cells.start[c], cells.start[c + 1]):
+    first, plain = cells.start[c], cells.plain[c]
+    for k in range(first, cells.start[c + 1]):
         w, j = 0.0, cells.column[k]
-        if D == 3:
+        if plain:
+            w = sums[m, k - first]
+        elif D == 3:
             part = load_row(cells.weight, k, 0) * load_row(sums, m, 0)
             part = load_row(cells.weight, k, 4) * load_row(sums, m, 4) + part
             w = sum_of(part)
@@ -138,28 +141,33 @@ def _add_row(frame, surface, cells, group, own, at, scratch, coupling):
 
 
 @inner_kernel
-def _set_pair(contact, surface, group, side, law, size, pair):
+def _set_end(surface, near, side, law, end):
+    """Set law, bodies and number of a pair, given one of its facets."""
+    a, b = surface.body[near.facet], near.body
+    end.law = law[0]
+    end.bodies[0], end.bodies[1] = (b, a) if law[1] else (a, b)
+    end.vertex[0], end.vertex[1], end.vertex[2] = surface.patch[near.facet], b, SIDES + side
+
+
+@inner_kernel
+def _set_pair(contact, surface, group, law, size, pair):
     """Set the state of a pair, given its facets, and their weights; returns whether it is one.
 
     `group` is as in `_add_row`, with the number of these facets, the area of the patch, and the
-    deepest one; `size` are the least side of a cell, the step, and kept forces.
+    deepest one; `size` are the least side of a cell, the step, and the acceleration that contact
+    gave the ends in the last one.
     """
-    (every, own, numbers, (count, all_of_it, deepest)), (cell, dt, kept), (end, row, rigid) = (
-        group, size, pair
-    )  # fmt: skip
+    (every, own, numbers, (count, all_of_it, deepest)), (cell, dt, acceleration), (
+        end, row, rigid,
+    ) = group, size, pair  # fmt: skip
     pairs, (entry, swapped, near), least = contact.pairs, law, every[deepest].gap
-    a, b = surface.body[every[deepest].facet], every[deepest].body
     tied = pairs.kind[entry - 1] == TIED
     if not least < near:
         return False
     normal, shear, reach = pairs.adhesion[entry - 1]
     glued = 0.0
     clear_pair(row)
-    end.law = entry
-    end.bodies[0], end.bodies[1] = (b, a) if swapped else (a, b)
-    end.vertex[0], end.vertex[1] = surface.patch[every[deepest].facet], b
-    end.vertex[2] = SIDES + side
-    width = max(FADES * cell, FOLLOWS * dt * dt * kept_acceleration(kept, end))
+    width = max(FADES * cell, FOLLOWS * dt * dt * acceleration)
     above = NEAR * cell if tied else level(own, count, all_of_it, least, width)
     whole, gap, sign = 0.0, above - width, 1.0 if swapped else -1.0
     if width > FADES * cell and not tied:
@@ -256,7 +264,7 @@ def find_patch_pairs(
         cell = min(cell, frame.cell[d])
     seen[:, 0] = -1
     sums[:] = 0.0
-    pairs, rows, used, start, deepest = 0, 0, 0, coupling.start, -1
+    pairs, rows, used, start, deepest, later = 0, 0, 0, coupling.start, -1, 0
     start[0] = 0
     for k in range(len(patches.awake)):
         first, last = patches.start[patches.awake[k]], patches.start[patches.awake[k] + 1]
@@ -275,7 +283,10 @@ def find_patch_pairs(
             if deepest < 0 or every[gathered[2]].gap < every[deepest].gap:
                 deepest = gathered[2]
             group, pair = (every, own, numbers, gathered), (end, row, rigid)
-            if not _set_pair(contact, surface, group, side, law, (cell, dt, kept), pair):
+            _set_end(surface, every[gathered[2]], side, law, end)
+            later, one = find_kept(kept, later, end)
+            size = cell, dt, kept[one].acceleration if one >= 0 else 0.0
+            if not _set_pair(contact, surface, group, law, size, pair):
                 continue
             for a in range(2):
                 body = end.bodies[a]

@@ -248,11 +248,14 @@ def _cells(
     pairs, weights = pairs[first], np.zeros((len(first), len(corner)))
     np.add.at(weights, (entry, which), weight)
     start = np.concatenate([[0], np.cumsum(np.bincount(pairs[:, 0], minlength=len(places)))])
-    low = np.zeros((len(places), 3))
+    low, plain = np.zeros((len(places), 3)), np.diff(start) == len(corner)
     low[:, :D] = origin + places[:, 1:] * cell
+    rows = start[:-1][plain, None] + np.arange(len(corner))
+    plain[plain] = (weights[rows] == np.eye(len(corner))).all(axis=(1, 2))
     cells = SurfaceCells(
         low, np.searchsorted(every, corners).reshape(-1, len(corner)), start,
         np.ascontiguousarray(pairs[:, 1]), weights, _cells_beside(places),
+        plain,
     )  # fmt: skip
     return cells, of, np.stack(Vertices.numbers(rank, every), axis=1)
 
