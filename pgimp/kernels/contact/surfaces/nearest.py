@@ -110,7 +110,7 @@ def next_facet(D, surface, s, cell, f):
 
 @inner_kernel
 def stays(surface, s, f):
-    """Whether the facet next to facet `s`, of those beside `f`, is `f` or one in a plane with it."""
+    """Whether of facet `f` and those beside it the one next to facet `s` is in a plane with it."""
     square, along = 0.0, 0.0
     for d in range(3):
         way = surface.now[s, d] - surface.now[f, d]

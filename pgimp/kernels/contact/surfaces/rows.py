@@ -150,16 +150,14 @@ def _set_end(surface, near, side, law, end):
 
 
 @inner_kernel
-def _set_pair(contact, surface, group, law, size, pair):
+def _set_pair(contact, surface, group, law, size, row, rigid):
     """Set the state of a pair, given its facets, and their weights; returns whether it is one.
 
     `group` is as in `_add_row`, with the number of these facets, the area of the patch, and the
     deepest one; `size` are the least side of a cell, the step, and the acceleration that contact
     gave the ends in the last one.
     """
-    (every, own, numbers, (count, all_of_it, deepest)), (cell, dt, acceleration), (
-        end, row, rigid,
-    ) = group, size, pair  # fmt: skip
+    (every, own, numbers, (count, all_of_it, deepest)), (cell, dt, acceleration) = group, size
     pairs, (entry, swapped, near), least = contact.pairs, law, every[deepest].gap
     tied = pairs.kind[entry - 1] == TIED
     if not least < near:
@@ -282,11 +280,11 @@ def find_patch_pairs(
             gathered = gather(surface, (every, first, last), side, own, numbers)
             if deepest < 0 or every[gathered[2]].gap < every[deepest].gap:
                 deepest = gathered[2]
-            group, pair = (every, own, numbers, gathered), (end, row, rigid)
+            group = every, own, numbers, gathered
             _set_end(surface, every[gathered[2]], side, law, end)
             later, one = find_kept(kept, later, end)
             size = cell, dt, kept[one].acceleration if one >= 0 else 0.0
-            if not _set_pair(contact, surface, group, law, size, pair):
+            if not _set_pair(contact, surface, group, law, size, row, rigid):
                 continue
             for a in range(2):
                 body = end.bodies[a]

@@ -110,10 +110,10 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
         start, beside, np.full((len(body), 3), np.inf), np.zeros((len(body), 3)),
         np.zeros((len(body), 2, 3)), np.zeros((len(body), 2**D)), periods if periods.any() else (),
     )  # fmt: skip
-    inside = np.zeros(len(body), bool)
-    find_tips(surface, SHARP, _EDGE * float(cell.max()), inside)
+    inside, towards = np.zeros(len(body), bool), np.zeros((len(body), 3))
+    find_tips(surface, SHARP, _EDGE * float(cell.max()), inside, towards)
     number = np.floor((facets.x[:, :D] - origin) / cell - _DEPTHS[0] * facets.normal[:, :D])
-    whole, wide = with_wide(surface, inside, cell, number.astype(np.int64))
+    whole, wide = with_wide(surface, (inside, towards), cell, number.astype(np.int64))
     if scene.case.axisymmetric or not scene.settings.lagrangian.all():
         whole, wide = surface, np.full(len(body), -1)
     find_means(frame, whole, np.zeros((2, 3)))
