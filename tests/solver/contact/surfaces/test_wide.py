@@ -58,7 +58,7 @@ def test_joined_facets_have_the_sums_and_the_weights_of_their_parts():
 
 
 def test_only_what_lies_on_a_plane_is_joined():
-    """Beside edges are rows of facets, at corners small ones; in the middle is one for each cell."""
+    """Beside edges are rows of facets, at corners small ones; the middle has one for each cell."""
     sim, table = at_rest()
     every = sim.rank.contact.proximity.candidates
     of, body = every["facet"], every["body"]
