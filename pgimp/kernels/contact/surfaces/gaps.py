@@ -10,6 +10,7 @@ Where no facet of a patch can be near enough for a pair, none has a gap.
 from math import inf, sqrt
 
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
+from pgimp.jit.vectors.simd import lane
 from pgimp.kernels.contact.surfaces.data import CLEAR, turns
 from pgimp.kernels.contact.surfaces.levels import law_of
 from pgimp.kernels.contact.surfaces.motion import cofactors, gradient, set_polynomial, turned_normal
@@ -19,7 +20,7 @@ from pgimp.kernels.contact.surfaces.spread import (
     add_offset,
     find_pieces,
     keep_pieces,
-    mean_position,
+    mean_displacement,
 )
 
 #: Cells by which a point may lie beside a facet's part of a box, and the same over its distance, of
@@ -45,6 +46,17 @@ _NEWTON, _EXACT = 12, 3e-6
 
 
 @inner_kernel
+def _from(frame, x, low, place):
+    """Vector to a point from a place in a cell that begins at `low`, in the initial state."""
+    D = len(frame.cell)
+    return (
+        x[0] - low[0] - place[0] * frame.cell[0],
+        x[1] - low[1] - (place[1] * frame.cell[1] if D > 1 else 0.0),
+        x[2] - low[2] - (place[2] * frame.cell[2] if D > 2 else 0.0),
+    )
+
+
+@inner_kernel
 def _solve_place(frame, low, x, P, place):
     """Set the place in a cell, or beyond, that is at a current position; starts from `place`.
 
@@ -55,16 +67,7 @@ def _solve_place(frame, low, x, P, place):
     while True:
         F, way = gradient(frame, P, place)
         K, J = cofactors(F)
-        r = (x[0] - low[0] - way[0], x[1] - low[1] - way[1], x[2] - low[2] - way[2])
-        if D == 1:
-            r = (r[0] - place[0] * frame.cell[0], r[1], r[2])
-        if D == 2:
-            r = (r[0] - place[0] * frame.cell[0], r[1] - place[1] * frame.cell[1], r[2])
-        if D == 3:
-            r = (
-                r[0] - place[0] * frame.cell[0], r[1] - place[1] * frame.cell[1],
-                r[2] - place[2] * frame.cell[2],
-            )  # fmt: skip
+        r = _from(frame, (x[0] - way[0], x[1] - way[1], x[2] - way[2]), low, place)
         most, turn = 0.0, turn + 1
         for d in range(D):
             k = K[d]
@@ -187,7 +190,7 @@ def _spread(frame, surface, there, x, scratch, near, used):
     there to the facet's own mean position `x`, so that angular momentum is kept. Returns the number
     of pieces kept.
     """
-    D, (P, y, pieces, kept), (cells, c, u) = len(frame.cell), scratch, there
+    D, (P, pieces, kept), (cells, c, u) = len(frame.cell), scratch, there
     K, J = cofactors(gradient(frame, P, near.place)[0])
     for d in range(D):
         k = K[d]
@@ -196,8 +199,9 @@ def _spread(frame, surface, there, x, scratch, near, used):
             near.edges[0, d] += part * surface.extent[near.facet, 0, i]
             near.edges[1, d] += part * surface.extent[near.facet, 1, i]
     count = find_pieces(D, cells, c, near, pieces)
-    mean_position(frame, cells, u, pieces, count, y)
-    r = (x[0] - y[0], x[1] - y[1], x[2] - y[2])
+    way = mean_displacement(D, cells, u, pieces, count)
+    r = (x[0] - lane(way, 0), x[1] - lane(way, 1), x[2] - lane(way, 2))
+    r = _from(frame, r, cells.low[c], near.place)
     for d in range(D):
         k = K[d]
         near.offset[d] = (k[0] * r[0] + k[1] * r[1] + k[2] * r[2]) * (frame.inverse[d] / J)

@@ -38,7 +38,7 @@ class MixedContact(SurfaceContact):
 
     def __init__(self, scene: Scene, comm: Communicator) -> None:
         super().__init__(scene, comm)
-        self._accuracy = ACCURACY  # no compliance of patches
+        self._accuracy = ACCURACY  # patches have no compliance
         self._current = np.flatnonzero(~scene.settings.lagrangian)
         own = self._among(self.pairs)
         self._at_vertices = ContactAtVertices(scene, comm, own, self._walls)

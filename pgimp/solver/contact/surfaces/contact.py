@@ -57,9 +57,9 @@ from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import VertexUpdate
 
-#: The most sweeps in a step, and the relative change of impulses that ends them: compliance of
-#: patches leaves no changes that move nothing.
-ACCURACY = 200, 1e-5
+#: The most sweeps in a step, and the relative change of impulses that ends them, without rigid
+#: bodies that move freely: these meet each other without the compliance of patches.
+SOFT_ACCURACY = 200, 1e-5
 
 
 class SurfaceContact(ImpulseContact):
@@ -75,7 +75,9 @@ class SurfaceContact(ImpulseContact):
         self._table: Table | None = None
         self._slaves: object = None
         self._acts = np.zeros((0, 0), np.uint8)
-        self._rate, self._deepest, self._accuracy = 0.0, -1, ACCURACY
+        self._rate, self._deepest = 0.0, -1
+        if not self.free:
+            self._accuracy = SOFT_ACCURACY
         cell = scene.domain.frame.cell
         lengths = PARTS * min(cell), TOUCHES * min(cell)
         self._sizes = LEAST_AREA * min(cell) ** (len(cell) - 1), *lengths
