@@ -312,7 +312,7 @@ class SurfaceContact(ImpulseContact):
         """The candidates of the step, with the parts of wide facets in their place."""
         table, proximity, every = self._table, self._proximity, self._every
         assert table is not None
-        if not (every["facet"] >= len(table.wide)).any():
+        if not needed((every["facet"] >= len(table.wide)).any()):
             return every
         found, row = parted(table, every)
         of = self.scene.domain.frame, self._contact, self._walls, table.surface, self._moved

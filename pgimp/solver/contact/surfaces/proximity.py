@@ -10,10 +10,10 @@ from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.data import Contact
 from pgimp.kernels.contact.impulses.pairs import SeparatingWalls
+from pgimp.kernels.contact.surfaces.awake import find_near_gaps
 from pgimp.kernels.contact.surfaces.data import KNOWN, Patches, no_facets
 from pgimp.kernels.contact.surfaces.gaps import FARTHEST
 from pgimp.kernels.contact.surfaces.motion import move_facets
-from pgimp.kernels.contact.surfaces.near_gaps import find_near_gaps
 from pgimp.kernels.contact.surfaces.search import greatest_way
 from pgimp.kernels.contact.surfaces.shifts import find_shifts, least_left
 from pgimp.kernels.contact.surfaces.spread import kept_of, scratch_of
@@ -300,8 +300,8 @@ class Proximity:
         )  # fmt: skip
         awake = self.call(
             find_near_gaps, self.scene.domain.frame, laws, self.walls, table.every,
-            (share.cells, u, values), dt, (self.candidates, patches), moving, self.scratch,
-            self.far, self._now,
+            (share.cells, u, values), (dt, self.far), (self.candidates, patches),
+            (moving, self.scratch, self._now),
         )  # fmt: skip
         return patches.first(awake)
 

@@ -69,7 +69,8 @@ def test_only_what_lies_on_a_plane_is_joined():
     assert between.any()
     x, low, high = table.every.x[of], np.array([1.3, 1.2]), np.array([8.6, 6.4])
     edge = np.minimum(x[:, :2] - low, high - x[:, :2]).min(axis=1)
-    rows, corners = table.every.half[of][wide & (edge < 0.25), :2], (x < low + 0.25).all(axis=1)
+    rows, x = table.every.half[of][wide & (edge < 0.25), :2], x[:, :2]
+    corners = (x < low + 0.25).all(axis=1)
     assert (rows.min(axis=1) < 0.13).all()
     assert (rows.max(axis=1) > 0.2).any()
     assert not wide[corners].any()
