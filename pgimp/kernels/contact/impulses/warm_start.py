@@ -52,20 +52,6 @@ def find_kept(kept, n, end):
 
 
 @inner_kernel
-def kept_of(kept, end):
-    """Number of the kept force of a pair, -1 without one."""
-    low, high = 0, len(kept)
-    while low < high:
-        middle = (low + high) // 2
-        if _order(kept[middle].vertex, end.vertex) < 0:
-            low = middle + 1
-        else:
-            high = middle
-    _, m = find_kept(kept, low, end)
-    return m
-
-
-@inner_kernel
 def _set_impulse(contact, entry, row, J):
     """Set the impulse of a loaded pair to the part of J that its law may transmit.
 

@@ -12,16 +12,19 @@ from math import inf, sqrt
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.jit.vectors.rows import load_row
 from pgimp.jit.vectors.simd import lane, pack, vector
-from pgimp.kernels.contact.surfaces.data import CLEAR, KNOWN, PLACE, turns
+from pgimp.kernels.contact.surfaces.data import CLEAR, KNOWN, PLACE, Patches, turns
+from pgimp.kernels.contact.surfaces.gaps import find_gaps
 from pgimp.kernels.contact.surfaces.levels import law_of
 from pgimp.kernels.contact.surfaces.motion import (
     cofactors,
     cross,
     gradient,
+    move_facets,
     rigid_position,
     set_polynomial,
     turned_normal,
 )
+from pgimp.kernels.contact.surfaces.nearest import stays
 from pgimp.kernels.rigid.bodies import arm_of
 
 #: Cells by which a patch moves beside another body before the facets next to it are found anew.
@@ -149,6 +152,15 @@ def _wakes(contact, surface, known, now, body, way, cell):
     return False, False
 
 
+@inner_kernel
+def _choose(surface, f, at):
+    """Choose a facet to be moved, unless it is chosen; see `find_awake` for both of `at`."""
+    chosen, count = at
+    if surface.now[f, 0] == inf:
+        surface.now[f, 0], chosen[count[0]] = 0.0, f
+        count[0] += 1
+
+
 @kernel
 def find_awake(frame, contact, surface, moved, dt, near, moving, scratch) -> tuple[int, int]:
     """Find the patches that may have a pair in a step, and the facets to be moved for them.
@@ -165,25 +177,32 @@ def find_awake(frame, contact, surface, moved, dt, near, moving, scratch) -> tup
         Facets near others, by patch and body. Which patches are awake, and walk, is set here.
     moving : tuple
         Facets that may be moved, (m,) int64, and the first of each patch, (patches + 1,); patches
-        beside each; (2, patches) uint8, which ones were moved in the step before, and 0; and
-        (m,) int64, set to the facets to be moved: of patches that are awake, and beside what they
-        meet. Where others are is no longer known.
-    scratch : ((2^D, 4) float64, (1, KNOWN) float64)
-        Scratch.
+        beside each; (patches,) bool, False. Then int64 with room for all: the facets moved in the
+        step before, set to those to be moved, candidates of patches that are awake and the facets
+        next to them; (1,) int64, their number. Of patches that walk all facets of what they meet
+        and what is beside are moved. Where others are is no longer known. Last whether all facets
+        of patches that are awake and of what they meet are wanted.
+    scratch : ((2^D, 4) float64, (patches, KNOWN) float64, (patches,) int64)
+        Scratch; then set for patches that are awake: what is known of them now, but `CLEAR`, and
+        the facet next to the middle one.
 
     Returns
     -------
     tuple of 2 int
         Numbers of patches that are awake, and of facets to be moved.
     """
-    (every, patches), (mobile, begin, around, marks, chosen) = near, moving
-    cell, awake, found = frame.cell[0], 0, 0
+    (every, patches), (_, _, _, _, chosen, moved_before, _) = near, moving
+    cell, awake, at = frame.cell[0], 0, (chosen, moved_before)
     for d in range(len(frame.cell)):
         cell = min(cell, frame.cell[d])
+    for n in range(moved_before[0]):
+        for d in range(3):
+            surface.now[chosen[n], d] = inf
+    moved_before[0] = 0
     for g in range(len(patches.start) - 1):
         first, last = patches.start[g], patches.start[g + 1]
         known, middle = patches.known[g], every[(first + last) // 2]
-        s, now = middle.facet, scratch[1][0]
+        s, now = middle.facet, scratch[1][awake]
         of = surface, moved, scratch[0], (s, middle.other)
         way = dt * set_place(frame, contact.rigid_bodies, *of, cell, now)
         body = surface.body[s], middle.body
@@ -195,24 +214,77 @@ def find_awake(frame, contact, surface, moved, dt, near, moving, scratch) -> tup
                 middle.side = RESTS
             continue
         patches.awake[awake], patches.ways[awake] = g, way
-        patches.walks[awake] = 1 if walks else 0
+        patches.walks[awake], scratch[2][awake] = 1 if walks else 0, middle.other
         awake += 1
-        marks[1, surface.patch[s]], q = 1, -1
         for n in range(first, last):
-            p = surface.patch[every[n].other] if every[n].other >= 0 else q
+            _choose(surface, every[n].facet, at)
+        for n in range(first, last):
+            if every[n].other >= 0:
+                _choose(surface, every[n].other, at)
+    return awake, moved_before[0]
+
+
+@kernel
+def find_around(surface, near, moving) -> int:
+    """Find further facets to be moved: around those that may not be next to a facet any more.
+
+    Returns how many are to be moved in all; see `find_awake`, after which facets have moved.
+    """
+    (every, patches), (mobile, begin, around, marks, chosen, count, whole) = near, moving
+    some, at = False, (chosen, count)
+    for k in range(len(patches.awake)):
+        first, last = patches.start[patches.awake[k]], patches.start[patches.awake[k] + 1]
+        walks, q = patches.walks[k] != 0, -1
+        if whole:
+            some, marks[surface.patch[every[first].facet]] = True, True
+        for n in range(first, last if walks or whole else first):
+            one = every[n]
+            if one.other < 0 or not (whole or not stays(surface, one.facet, one.other)):
+                continue
+            p = surface.patch[one.other]
             if p == q:
                 continue
-            marks[1, p], q = 1, p
-            for k in range(around[0][p], around[0][p + 1] if walks else around[0][p]):
-                marks[1, around[1][k]] = 1
-    for p in range(marks.shape[1]):
-        some = marks[0, p] != 0 or marks[1, p] != 0
-        for n in range(begin[p], begin[p + 1] if some else begin[p]):
-            if marks[1, p] != 0:
-                chosen[found] = mobile[n]
-                found += 1
-            else:
-                for d in range(3):
-                    surface.now[mobile[n], d] = inf
-        marks[0, p], marks[1, p] = marks[1, p], 0
-    return awake, found
+            some, marks[p], q = True, True, p
+            for m in range(around[0][p], around[0][p + 1] if walks else around[0][p]):
+                marks[around[1][m]] = True
+    for p in range(len(marks) if some else 0):
+        for n in range(begin[p], begin[p + 1] if marks[p] else begin[p]):
+            _choose(surface, mobile[n], at)
+        marks[p] = False
+    return count[0]
+
+
+@kernel
+def find_near_gaps(frame, contact, walls, surface, moved, lengths, near, room) -> int:
+    """Find the gaps of the patches that may have a pair in a step; returns how many patches.
+
+    See `find_awake` for what patches and facets these are, and `find_gaps` for the rest. `lengths`
+    are the step and the greatest distance; `room` is `moving` and scratch of both.
+    """
+    (cells, u, _), (every, patches), (dt, far), (moving, scratch, now) = moved, near, lengths, room
+    chosen = moving[4]
+    own, cell = (scratch[0], *now), frame.cell[0]
+    for d in range(len(frame.cell)):
+        cell = min(cell, frame.cell[d])
+    awake, moves = find_awake(frame, contact, surface, moved, dt, near, moving, own)
+    move_facets(frame, contact.rigid_bodies, surface, cells, u, chosen[:moves], scratch)
+    patches = Patches(
+        patches.start, patches.awake[:awake], patches.walks[:awake], patches.ways[:awake],
+        patches.known,
+    )  # fmt: skip
+    every_move = find_around(surface, (every, patches), moving)
+    more = chosen[moves:every_move]
+    move_facets(frame, contact.rigid_bodies, surface, cells, u, more, scratch)
+    find_gaps(frame, contact, walls, surface, (cells, u), scratch, far, (every, patches))
+    for k in range(awake):
+        if patches.walks[k] == 0:
+            continue
+        g = patches.awake[k]
+        known, middle = patches.known[g], every[(patches.start[g] + patches.start[g + 1]) // 2]
+        if middle.other == now[1][k]:
+            for n in range(PLACE, KNOWN):
+                known[n] = now[0][k, n]
+        else:
+            of = surface, moved, scratch[0], (middle.facet, middle.other)
+            set_place(frame, contact.rigid_bodies, *of, cell, known)
+    return awake

@@ -82,6 +82,8 @@ class SurfaceCells(NamedTuple):
     column: IntArray
     weight: FloatArray  #: (k, 2^D) float64: Weights of each at the cell's vertices.
     beside: IntArray  #: (m, 6) int64: Cells below and above along each direction, or -1.
+    #: (m,) bool: Whether the vertices move themselves: their weights are those of the unit matrix.
+    plain: NDArray[np.bool_]
 
 
 class Patches(NamedTuple):

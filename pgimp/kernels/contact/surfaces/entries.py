@@ -15,9 +15,12 @@ def _add_cell(D, cells, c, place, at, seen, coupling):
     entries.
     """
     (r, used), (sums, m), column, entry = at, place, coupling.column, coupling.entry
-    for k in range(cells.start[c], cells.start[c + 1]):
+    first, plain = cells.start[c], cells.plain[c]
+    for k in range(first, cells.start[c + 1]):
         w, j = 0.0, cells.column[k]
-        if D == 3:
+        if plain:
+            w = sums[m, k - first]
+        elif D == 3:
             part = load_row(cells.weight, k, 0) * load_row(sums, m, 0)
             part = load_row(cells.weight, k, 4) * load_row(sums, m, 4) + part
             w = sum_of(part)

@@ -10,17 +10,24 @@ Where no facet of a patch can be near enough for a pair, none has a gap.
 from math import inf, sqrt
 
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
-from pgimp.kernels.contact.surfaces.awake import set_place
+from pgimp.jit.vectors.simd import lane
 from pgimp.kernels.contact.surfaces.data import CLEAR, turns
 from pgimp.kernels.contact.surfaces.levels import law_of
 from pgimp.kernels.contact.surfaces.motion import cofactors, gradient, set_polynomial, turned_normal
-from pgimp.kernels.contact.surfaces.nearest import ALIKE, FACES, STEEP, approach, pairs_with
+from pgimp.kernels.contact.surfaces.nearest import (
+    ALIKE,
+    FACES,
+    STEEP,
+    approach,
+    pairs_with,
+    until_facing,
+)
 from pgimp.kernels.contact.surfaces.pressed import facing_part
 from pgimp.kernels.contact.surfaces.spread import (
     add_offset,
     find_pieces,
     keep_pieces,
-    mean_position,
+    mean_displacement,
 )
 
 #: Cells by which a point may lie beside a facet's part of a box, and the same over its distance, of
@@ -46,6 +53,17 @@ _NEWTON, _EXACT = 12, 3e-6
 
 
 @inner_kernel
+def _from(frame, x, low, place):
+    """Vector to a point from a place in a cell that begins at `low`, in the initial state."""
+    D = len(frame.cell)
+    return (
+        x[0] - low[0] - place[0] * frame.cell[0],
+        x[1] - low[1] - (place[1] * frame.cell[1] if D > 1 else 0.0),
+        x[2] - low[2] - (place[2] * frame.cell[2] if D > 2 else 0.0),
+    )
+
+
+@inner_kernel
 def _solve_place(frame, low, x, P, place):
     """Set the place in a cell, or beyond, that is at a current position; starts from `place`.
 
@@ -56,16 +74,7 @@ def _solve_place(frame, low, x, P, place):
     while True:
         F, way = gradient(frame, P, place)
         K, J = cofactors(F)
-        r = (x[0] - low[0] - way[0], x[1] - low[1] - way[1], x[2] - low[2] - way[2])
-        if D == 1:
-            r = (r[0] - place[0] * frame.cell[0], r[1], r[2])
-        if D == 2:
-            r = (r[0] - place[0] * frame.cell[0], r[1] - place[1] * frame.cell[1], r[2])
-        if D == 3:
-            r = (
-                r[0] - place[0] * frame.cell[0], r[1] - place[1] * frame.cell[1],
-                r[2] - place[2] * frame.cell[2],
-            )  # fmt: skip
+        r = _from(frame, (x[0] - way[0], x[1] - way[1], x[2] - way[2]), low, place)
         most, turn = 0.0, turn + 1
         for d in range(D):
             k = K[d]
@@ -83,10 +92,11 @@ def _rigid_place(rigid_bodies, surface, x, near):
         return 1.0
     row = rigid_bodies.motion[near.body - rigid_bodies.bodies]
     for d in range(3):
-        own = row.reference[d]
+        own, n = row.reference[d], 0.0
         for k in range(3):
             own += row.rotation[k, d] * (x[k] - row.centre[k])
-        near.place[d], near.normal[d] = own, surface.turned[near.other, d]
+            n += row.rotation[d, k] * surface.normal[near.other, k]
+        near.place[d], near.normal[d] = own, n
     return 1.0
 
 
@@ -187,7 +197,7 @@ def _spread(frame, surface, there, x, scratch, near, used):
     there to the facet's own mean position `x`, so that angular momentum is kept. Returns the number
     of pieces kept.
     """
-    D, (P, y, pieces, kept), (cells, c, u) = len(frame.cell), scratch, there
+    D, (P, pieces, kept), (cells, c, u) = len(frame.cell), scratch, there
     K, J = cofactors(gradient(frame, P, near.place)[0])
     for d in range(D):
         k = K[d]
@@ -196,8 +206,9 @@ def _spread(frame, surface, there, x, scratch, near, used):
             near.edges[0, d] += part * surface.extent[near.facet, 0, i]
             near.edges[1, d] += part * surface.extent[near.facet, 1, i]
     count = find_pieces(D, cells, c, near, pieces)
-    mean_position(frame, cells, u, pieces, count, y)
-    r = (x[0] - y[0], x[1] - y[1], x[2] - y[2])
+    way = mean_displacement(D, cells, u, pieces, count)
+    r = (x[0] - lane(way, 0), x[1] - lane(way, 1), x[2] - lane(way, 2))
+    r = _from(frame, r, cells.low[c], near.place)
     for d in range(D):
         k = K[d]
         near.offset[d] = (k[0] * r[0] + k[1] * r[1] + k[2] * r[2]) * (frame.inverse[d] / J)
@@ -231,8 +242,8 @@ def _own(frame, cells, c, near, d):
 
 
 @inner_kernel
-def _find_wall_gaps(frame, walls, surface, every, first, last):
-    """Set the gaps of the facets of a patch before a wall; returns the least distance."""
+def _find_wall_gaps(frame, walls, surface, every, first, last, cell):
+    """Set the gaps of the facets of a patch before a wall; returns the way until one may close."""
     plane, least = walls.planes[every[first].body - walls.first], inf
     axis, side = plane.axis, 1.0 * plane.side
     at = frame.origin[axis] + (plane.vertex - frame.ghost) * frame.cell[axis]
@@ -240,7 +251,7 @@ def _find_wall_gaps(frame, walls, surface, every, first, last):
         near, s = every[n], every[n].facet
         same, away = -side * surface.turned[s, axis], (at - surface.now[s, axis]) * side
         near.gap, near.facing = away if same <= FACES else inf, facing_part(same)
-        least = min(least, away)
+        least = min(least, max(away, until_facing(same, FACES, cell)))
         for d in range(3):
             near.normal[d] = -side if d == axis else 0.0
     return least
@@ -264,7 +275,8 @@ def find_gaps(frame, contact, walls, surface, moved, scratch, far, near):
         Greatest distance: farther away the cell's displacements, extrapolated, may fold.
     near : ((n,) NEAR_FACET, Patches)
         The facets, by patch and body; `other` is where the search for the one next to them begins.
-        Those of patches that rest stay as they are. Of ways below 0 every gap is looked for.
+        Those of patches that rest stay as they are. Of ways below 0 every gap is looked for. Of
+        patches that walk `CLEAR` is set.
     """
     D, (cells, u), (every, patches) = len(frame.cell), moved, near
     cell, c, used = frame.cell[0], -1, 0
@@ -277,7 +289,7 @@ def find_gaps(frame, contact, walls, surface, moved, scratch, far, near):
         law = law_of(contact.pairs, surface.body[s], body, cell, patches.ways[k])
         looks = law[2] if patches.ways[k] >= 0.0 else inf
         if body >= walls.first:
-            clear = _find_wall_gaps(frame, walls, surface, every, first, last)
+            clear = _find_wall_gaps(frame, walls, surface, every, first, last, cell)
         for n in range(first, last if body < walls.first else first):
             every[n].gap, away = approach(D, surface, every[n], frame.cell[0], walks, far)
             least, clear = min(least, every[n].gap), min(clear, away)
@@ -292,8 +304,4 @@ def find_gaps(frame, contact, walls, surface, moved, scratch, far, near):
             used = _find_gap(frame, contact.rigid_bodies, surface, moved, scratch, one, used)
             c = surface.cell[one.other] if own >= 0 else c
         if walks:
-            known, middle = patches.known[g], every[(first + last) // 2]
-            known[CLEAR] = clear
-            of = surface, (cells, u, u), scratch[0], (middle.facet, middle.other)
-            set_place(frame, contact.rigid_bodies, *of, cell, known)
-            c = -1
+            patches.known[g, CLEAR] = clear

@@ -167,6 +167,8 @@ def level(own, count, whole, least, width):
 
     `own` and `count` are as of `gather`, `whole` is the area of the patch.
     """
+    if count == 1:
+        return least + width * sqrt(max(own[FACING, 0], _LEAST * whole) / own[AREA, 0])
     near, facing, deepest = vector(0.0), vector(0.0), vector(least)
     for m in range(0, count, 4):
         gap, area = load_row(own, GAP, m), load_row(own, AREA, m)

@@ -115,13 +115,22 @@ def next_facet(D, surface, s, cell, f):
 
 
 @inner_kernel
-def _stays(surface, s, f):
-    """Whether the facet next to facet `s` is `f` or one in a plane with it."""
-    square = 0.0
+def stays(surface, s, f):
+    """Whether of facet `f` and those beside it the one next to facet `s` is in a plane with it."""
+    square, along = 0.0, 0.0
     for d in range(3):
         way = surface.now[s, d] - surface.now[f, d]
-        square += (way - turns(surface, way, d)) ** 2
-    return surface.tip[f] & FLAT and square < (_OVER * surface.radius[f]) ** 2
+        way -= turns(surface, way, d)
+        square += way * way
+        along += way * surface.turned[f, d]
+    beside = square - along * along
+    return surface.tip[f] & FLAT and beside < (_OVER * surface.radius[f]) ** 2
+
+
+@inner_kernel
+def until_facing(same, most, cell):
+    """Way by which facets have to turn, as in `find_awake`, until their cosine is at `most`."""
+    return CLEAR * cell * min(1.0, (same - most) / (MEETS - FACES))
 
 
 @inner_kernel
@@ -139,7 +148,7 @@ def approach(D, surface, near, cell, walks, farthest):
         Side of a cell, and distance beyond which facets are far apart.
     """
     s = near.facet
-    if walks and not _stays(surface, s, near.other):
+    if walks and not stays(surface, s, near.other):
         near.other = next_facet(D, surface, s, cell, near.other)
     f, along, whole, same, over = near.other, 0.0, 0.0, 0.0, 0.0
     for d in range(3):
@@ -149,7 +158,7 @@ def approach(D, surface, near, cell, walks, farthest):
         whole += way * way
         same += surface.turned[s, d] * surface.turned[f, d]
     if same > MEETS:
-        return inf, CLEAR * cell
+        return inf, CLEAR * cell  # as `until_facing`
     beside = max(whole - along * along, 0.0)
     if D > 1:
         over = max(0.0, sqrt(beside) - surface.radius[f])
@@ -158,7 +167,7 @@ def approach(D, surface, near, cell, walks, farthest):
     clear = min(max(gap, sqrt(square) - farthest), CLEAR * cell)
     second = near.body < surface.body[s]
     if surface.tip[f] & PLANE and (same > ACROSS or (second and same < STEEP - TURNS)):
-        return inf, clear
+        return inf, max(clear, until_facing(same, ACROSS, cell))
     if square > farthest * farthest:
         return inf, clear
     if not pairs_with(surface, s, f, cell):

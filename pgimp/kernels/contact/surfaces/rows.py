@@ -25,7 +25,7 @@ from pgimp.kernels.contact.data import clear_pair
 from pgimp.kernels.contact.impulses.coupling import release_across, set_answer, velocity_of
 from pgimp.kernels.contact.impulses.pairs import SIDES
 from pgimp.kernels.contact.impulses.reference_grid import OF_VELOCITY, OF_VELOCITY_BEFORE
-from pgimp.kernels.contact.impulses.warm_start import kept_of
+from pgimp.kernels.contact.impulses.warm_start import find_kept
 from pgimp.kernels.contact.surfaces.entries import add_row
 from pgimp.kernels.contact.surfaces.levels import (
     AREA,
@@ -61,29 +61,33 @@ WIDER = 2.0
 
 
 @inner_kernel
-def _set_pair(contact, surface, group, side, law, size, pair, width):
+def _set_end(surface, near, side, law, end):
+    """Set law, bodies and number of a pair, given one of its facets."""
+    a, b = surface.body[near.facet], near.body
+    end.law = law[0]
+    end.bodies[0], end.bodies[1] = (b, a) if law[1] else (a, b)
+    end.vertex[0], end.vertex[1], end.vertex[2] = surface.patch[near.facet], b, SIDES + side
+
+
+@inner_kernel
+def _set_pair(contact, surface, group, law, size, pair, width):
     """Set the state of a pair, given its facets, and their weights; returns the length d, or 0.
 
     There is no pair if that is 0. `group` is as in `add_row`, with the number of these facets, the
-    area of the patch, and the deepest one; `size` are the least side of a cell, the step, and kept
-    forces; d is at least `width`.
+    area of the patch, and the deepest one; `size` are the least side of a cell, the step, kept
+    forces, and the number of the pair's own, -1 without one; d is at least `width`.
     """
-    (every, own, numbers, (count, all_of_it, deepest)), (cell, dt, kept), (end, row, rigid) = (
+    (every, own, numbers, (count, all_of_it, deepest)), (cell, dt, kept, m), (end, row, rigid) = (
         group, size, pair
     )  # fmt: skip
     pairs, (entry, swapped, near), least = contact.pairs, law, every[deepest].gap
-    a, b = surface.body[every[deepest].facet], every[deepest].body
     tied = pairs.kind[entry - 1] == TIED
     if not least < near:
         return 0.0
     normal, shear, reach = pairs.adhesion[entry - 1]
     glued = 0.0
     clear_pair(row)
-    end.law = entry
-    end.bodies[0], end.bodies[1] = (b, a) if swapped else (a, b)
-    end.vertex[0], end.vertex[1] = surface.patch[every[deepest].facet], b
-    end.vertex[2] = SIDES + side
-    m, stiff = kept_of(kept, end), not tied and are_stiff(contact, surface, every[deepest])
+    stiff = not tied and are_stiff(contact, surface, every[deepest])
     width = max(width, FADES * cell)
     if m >= 0:
         width = max(width, FOLLOWS * dt * dt * kept[m].acceleration)
@@ -211,7 +215,7 @@ def find_patch_pairs(
         cell = min(cell, frame.cell[d])
     seen[:, 0] = -1
     sums[:] = 0.0
-    pairs, rows, used, start, deepest = 0, 0, 0, coupling.start, -1
+    pairs, rows, used, start, deepest, later = 0, 0, 0, coupling.start, -1, 0
     start[0] = 0
     for k in range(len(patches.awake)):
         first, last = patches.start[patches.awake[k]], patches.start[patches.awake[k] + 1]
@@ -230,8 +234,10 @@ def find_patch_pairs(
             if deepest < 0 or every[gathered[2]].gap < every[deepest].gap:
                 deepest = gathered[2]
             group, pair = (every, own, numbers, gathered), (end, row, rigid)
-            size, began = (cell, dt, kept), (rows, used)
-            width = _set_pair(contact, surface, group, side, law, size, pair, 0.0)
+            _set_end(surface, every[gathered[2]], side, law, end)
+            later, one = find_kept(kept, later, end)
+            size, began = (cell, dt, kept, one), (rows, used)
+            width = _set_pair(contact, surface, group, law, size, pair, 0.0)
             if not width > 0.0:
                 continue
             of = surface, cells, law[1], group, pair
@@ -241,7 +247,7 @@ def find_patch_pairs(
             if moves and wider > WIDER * width:
                 for n in range(began[1], min(used, len(coupling.column))):
                     seen[coupling.column[n], 0] = -1
-                _set_pair(contact, surface, group, side, law, size, pair, wider)
+                _set_pair(contact, surface, group, law, size, pair, wider)
                 rows, used, _ = _set_rows(contact, frame, of, began, room, coupling)
             if end.rows[0] < 0 and end.rows[1] < 0:
                 row.gap_rate = max(row.gap_rate, -PARTS * cell / dt)

@@ -1,6 +1,6 @@
 """Search for facets near each other: neighbours on a body, and the facets of other bodies."""
 
-from math import inf
+from math import inf, sqrt
 
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.contact.surfaces.data import turns
@@ -66,28 +66,31 @@ def find_beside(x, body, key_of, bins, strides, radius, start, beside):
 
 
 @kernel
-def find_tips(surface, sharp, near, inside):
+def find_tips(surface, sharp, near, inside, towards):
     """Mark the facets beside a sharp edge: a neighbour's normal is nearly the opposite one.
 
     Those in a plane with all of their neighbours, none of them across a seam, are `FLAT`; those
     with none that are alike but not in it are of a `PLANE`. `sharp` is the greatest cosine between
     normals at an edge. Sets in `inside`, (n,) bool, whether facets are in a plane with all
-    neighbours within a length `near`.
+    neighbours within a length `near`. If that has one convex edge, `towards`, (n, 3) float64, is
+    the unit vector across it, in the plane; else 0.
     """
     for f in range(len(surface.x)):
-        tip, inside[f] = FLAT | PLANE, True
+        tip, inside[f], edges, way = FLAT | PLANE, True, 0, towards[f]
         for k in range(surface.start[f], surface.start[f + 1]):
             m, alike, behind, square, across = surface.beside[k], 0.0, 0.0, 0.0, False
             for d in range(3):
-                way = surface.x[m, d] - surface.x[f, d]
-                image = turns(surface, way, d)
-                square += (way - image) * (way - image)
+                off_by = surface.x[m, d] - surface.x[f, d]
+                image = turns(surface, off_by, d)
+                square += (off_by - image) * (off_by - image)
                 across = across or image != 0.0
                 alike += surface.normal[f, d] * surface.normal[m, d]
-                behind += (way - image) * surface.normal[f, d]
+                behind += (off_by - image) * surface.normal[f, d]
             off = abs(behind) > _IN_PLANE * surface.radius[f] or not alike > 1.0 - _IN_PLANE
             if across or (off and square < near * near):
                 inside[f] = False
+                convex = behind < 0.0 and not across
+                edges = _add_edge(surface, f, m, alike, edges, way) if convex else edges + 2
             if across or off:
                 tip &= ~FLAT
             if across or (off and alike > ALIKE):
@@ -95,6 +98,19 @@ def find_tips(surface, sharp, near, inside):
             if alike < sharp and behind < 0.0:
                 tip |= TIP
         surface.tip[f] = tip
+        if edges != 1 or not tip & PLANE:
+            way[0] = way[1] = way[2] = 0.0
+
+
+@inner_kernel
+def _add_edge(surface, f, m, alike, edges, way):
+    """Number of edges with that between two faces; sets the vector towards the first one."""
+    part, same = sqrt(max(1.0 - alike * alike, _IN_PLANE)), 0.0
+    for d in range(3):
+        own = (surface.normal[m, d] - alike * surface.normal[f, d]) / part
+        way[d] = own if edges == 0 else way[d]
+        same += own * way[d]
+    return edges if edges > 0 and same > 1.0 - _IN_PLANE else edges + 1
 
 
 @kernel

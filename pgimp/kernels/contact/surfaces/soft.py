@@ -31,6 +31,7 @@ from pgimp.kernels.contact.impulses.rigid_ends import free_velocity, is_free
 from pgimp.kernels.contact.impulses.rows import add_impulse, velocity_at
 from pgimp.kernels.contact.impulses.warm_start import EXTRAPOLATION, begin_impulses, find_kept
 from pgimp.kernels.contact.sliding import sliding_part
+from pgimp.kernels.contact.surfaces.awake import dot, in_lanes
 from pgimp.kernels.contact.surfaces.groups import solve_groups
 from pgimp.physics.contact.base import TIED
 
@@ -67,14 +68,14 @@ def _sum_areas(contact_pairs, coupling, areas, sums):
     for k in range(len(contact_pairs.ends)):
         if areas[k] == 0.0:
             continue
+        normal = in_lanes(contact_pairs.states[k].normal)
         for side in range(2):
             r, sign = contact_pairs.ends[k].rows[side], 2.0 * side - 1.0
             if r >= 0:
+                along = (sign * areas[k]) * normal
                 for n in range(coupling.start[r], coupling.start[r + 1]):
-                    for d in range(3):
-                        normal = contact_pairs.states[k].normal[d]
-                        along = sign * areas[k] * normal
-                        sums[coupling.column[n], d] += along * coupling.entry[n, 0]
+                    j = coupling.column[n]
+                    store_row(sums, j, 0, coupling.entry[n, 0] * along + load_row(sums, j, 0))
 
 
 @inner_kernel
@@ -82,17 +83,18 @@ def _set_soft(coupling, solved, r, area, sums, normal):
     """Set the compliance c S of a row of a patch, and its whole response.
 
     `area` has the sign of the side; 0 of a patch that does not count, see `_set_areas`: it has a
-    spring of its own, beside what its own response takes.
+    spring of its own, beside what its own response takes. Inverse masses are those with compliance.
     """
     whole, own = 0.0, 0.0
     for d in range(3):
         own += normal[d] * normal[d] * coupling.answer[r, d]
     if area != 0.0:  # the velocity along the normal that even pressure gives
+        v = vector(0.0)
         for n in range(coupling.start[r], coupling.start[r + 1]):
-            j, along = coupling.column[n], 0.0
-            for d in range(3):
-                along += normal[d] * sums[j, d] * solved.inverse_mass[j, d]
-            whole += coupling.entry[n, 0] * along
+            j = coupling.column[n]
+            response = load_row(sums, j, 0) * load_row(solved.inverse_mass, j, 0)
+            v = coupling.entry[n, 0] * response + v
+        whole = dot(v, in_lanes(normal)) / (1.0 - SOFT)
         whole = max(whole / area, own)
     for d in range(3):
         answer = coupling.answer[r, d]
@@ -209,7 +211,8 @@ def _hold_across(contact, contact_pairs, k, coupling, solved, before):
 def _soften(contact, kept, contact_pairs, coupling, solved, sizes, scratch):
     """Give the pairs their compliance; `_apply` ends what this begins.
 
-    Changes masses, and the answers of `coupling`. `sizes` and `scratch` are as of `solve_softly`.
+    Masses are those with it. Changes the answers of `coupling`. `sizes` and `scratch` are as of
+    `solve_softly`.
     """
     (dt, _, parts, _), (sums, before, areas) = sizes, scratch
     for k in range(len(contact_pairs.ends)):
@@ -224,11 +227,6 @@ def _soften(contact, kept, contact_pairs, coupling, solved, sizes, scratch):
             if r >= 0:
                 area, normal = (2.0 * side - 1.0) * areas[k], contact_pairs.states[k].normal
                 _set_soft(coupling, solved, r, area, sums, normal)
-    for j in range(len(sums)):
-        for d in range(3):
-            solved.inverse_mass[j, d] *= 1.0 - SOFT
-    for n in range(len(solved.moved)):
-        solved.moved[n] *= 1.0 - SOFT
     _add_references(contact, kept, contact_pairs, coupling, solved, dt, False)
     for k in range(len(contact_pairs.ends)):
         _hold_across(contact, contact_pairs, k, coupling, solved, before[k])
@@ -282,7 +280,7 @@ def solve_softly(contact, free, kept, pairs, coupling, solved, room, limits) -> 
         After `begin_solution`; impulses of the solution are applied.
     room : (Solved, (rows, 3) float64, tuple, tuple)
         Scratch: vertices and answers with compliance, with `soft` of their own. Then sums at
-        vertices, (vertices, 3) float64; velocities, (pairs, 3) float64; areas, (pairs,) float64.
+        vertices, (vertices, 4) float64; velocities, (pairs, 3) float64; areas, (pairs,) float64.
         Last that of `solve_groups`.
     limits : (float, float, float, float), (int, float)
         The step; least area of a patch in its weight; the length by which overlaps end in a step,
@@ -293,11 +291,11 @@ def solve_softly(contact, free, kept, pairs, coupling, solved, room, limits) -> 
     (sizes, accuracy), sums = limits, scratch[0]
     for j in range(len(solved.velocity)):
         store_row(softened.velocity, j, 0, load_row(solved.velocity, j, 0))
-        store_row(softened.inverse_mass, j, 0, load_row(solved.inverse_mass, j, 0))
+        store_row(softened.inverse_mass, j, 0, (1.0 - SOFT) * load_row(solved.inverse_mass, j, 0))
         store_row(softened.held_impulse, j, 0, load_row(solved.held_impulse, j, 0))
-        sums[j, 0] = sums[j, 1] = sums[j, 2] = 0.0
+        store_row(sums, j, 0, vector(0.0))
     for k in range(len(solved.moved)):
-        softened.moved[k] = solved.moved[k]
+        softened.moved[k] = (1.0 - SOFT) * solved.moved[k]
     for r in range(len(answer)):
         softened.free[r] = solved.free[r]
         for d in range(3):

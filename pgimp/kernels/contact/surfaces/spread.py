@@ -6,16 +6,14 @@ piece. Those at its centroid miss the kinks of the weights: uniform pressure wou
 at vertices.
 """
 
-from math import sqrt
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pgimp.jit.kernel import inner_kernel
-from pgimp.jit.vectors.lanes import sum_of
-from pgimp.jit.vectors.rows import load_row
-from pgimp.jit.vectors.simd import lane, pack, vector
+from pgimp.jit.vectors.rows import load_row, store_row, transpose
+from pgimp.jit.vectors.simd import pack, vector
 from pgimp.kernels.contact.surfaces.motion import set_hats, set_means
 
 #: What `spread_weights` fills, and scratch.
@@ -23,6 +21,9 @@ Pieces = tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64], NDAr
 
 #: Length in cells by which a facet has to reach into a cell beside.
 _REACHES = 1e-9
+
+#: Corners of a polygon, at most.
+_CORNERS = 16
 
 #: Weights of a triangle's centroid, and of points on the lines from there to its corners, 3/5 of
 #: the way from the corners' opposite sides: exact for cubic functions.
@@ -32,7 +33,8 @@ _MIDDLE, _POINT, _CORNER, _OTHER = -27.0 / 48.0, 25.0 / 48.0, 0.6, 0.2
 def pieces_of(D: int) -> Pieces:
     """Allocate the pieces of a facet, see `spread_weights`."""
     count = 3**D + 1
-    return np.zeros(count, np.int64), np.zeros((count, 2**D)), np.zeros((2, 16, 3)), np.zeros(3)
+    polygon = np.zeros((2 * _CORNERS, 4))
+    return np.zeros(count, np.int64), np.zeros((count, 2**D)), polygon, np.zeros(3)
 
 
 def kept_of(D: int, count: int) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
@@ -42,54 +44,55 @@ def kept_of(D: int, count: int) -> tuple[NDArray[np.int64], NDArray[np.float64]]
 
 def scratch_of(D: int) -> tuple[Any, ...]:
     """Allocate what `move_facets` and `find_gaps` need; the last are pieces that they keep."""
-    return np.zeros((2 * 2**D, 4)), np.zeros(3), pieces_of(D), kept_of(D, 0)
+    return np.zeros((2 * 2**D, 4)), pieces_of(D), kept_of(D, 0)
 
 
 @inner_kernel
 def _clip(polygon, count, axis, at, side):
     """Cut off what is below a plane (`side` 1), or above it (-1); the number of corners left."""
-    kept = 0
+    kept, end = _CORNERS, load_row(polygon, 0, 0)
     for n in range(count):
-        m = n + 1 if n + 1 < count else 0
-        a, b = side * (polygon[0, n, axis] - at), side * (polygon[0, m, axis] - at)
+        begin, m = end, n + 1 if n + 1 < count else 0
+        end = load_row(polygon, m, 0)
+        a, b = side * (polygon[n, axis] - at), side * (polygon[m, axis] - at)
         if a >= 0.0:
-            for d in range(3):
-                polygon[1, kept, d] = polygon[0, n, d]
+            store_row(polygon, kept, 0, begin)
             kept += 1
         if (a > 0.0 and b < 0.0) or (a < 0.0 and b > 0.0):
             t = a / (a - b)
-            for d in range(3):
-                begin = polygon[0, n, d]
-                polygon[1, kept, d] = begin + t * (polygon[0, m, d] - begin)
-            polygon[1, kept, axis] = at
+            store_row(polygon, kept, 0, t * (end - begin) + begin)
+            polygon[kept, axis] = at
             kept += 1
-    for n in range(kept):
-        for d in range(3):
-            polygon[0, n, d] = polygon[1, n, d]
-    return kept
+    for n in range(kept - _CORNERS):
+        store_row(polygon, n, 0, load_row(polygon, _CORNERS + n, 0))
+    return kept - _CORNERS
 
 
 @inner_kernel
-def _set_polygon_means(polygon, count, whole, first, hats):
-    """Set the integrals of weights over a polygon, over an area, in the cell at `first`."""
-    p, zero = polygon[0], vector(0.0)
+def _set_polygon_means(polygon, count, whole, first, hats, row):
+    """Set the integrals of weights over a polygon, over an area, in the cell at `first`.
+
+    `whole` are an axis, and the component of the vector of that area along it.
+    """
+    p, zero, (axis, area) = polygon, vector(0.0), whole
+    i, j, inverse = (axis + 1) % 3, (axis + 2) % 3, 0.5 / area
     weights = pack(_POINT, _POINT, _POINT, _MIDDLE)
     one, mx, my, mz, myz, mxz, mxy, mxyz = zero, zero, zero, zero, zero, zero, zero, zero
     for n in range(2, count):
         a, b = p[n - 1], p[n]
-        u = (a[0] - p[0, 0], a[1] - p[0, 1], a[2] - p[0, 2])
-        v = (b[0] - p[0, 0], b[1] - p[0, 1], b[2] - p[0, 2])
-        i, j, k = u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
-        w = (0.5 * sqrt(i * i + j * j + k * k) / whole) * weights
+        part = (a[i] - p[0, i]) * (b[j] - p[0, j]) - (a[j] - p[0, j]) * (b[i] - p[0, i])
+        w = (inverse * part) * weights
         x = _points(p[0, 0], a[0], b[0], first[0])
         y = _points(p[0, 1], a[1], b[1], first[1])
         z = _points(p[0, 2], a[2], b[2], first[2])
         wx, wy, yz = w * x, w * y, y * z
         one, mx, my, mz, mxy = one + w, mx + wx, my + wy, w * z + mz, wx * y + mxy
         myz, mxz, mxyz = w * yz + myz, wx * z + mxz, wx * yz + mxyz
-    hats[0], hats[1], hats[2], hats[3] = sum_of(one), sum_of(mz), sum_of(my), sum_of(myz)
-    hats[4], hats[5], hats[6], hats[7] = sum_of(mx), sum_of(mxz), sum_of(mxy), sum_of(mxyz)
-    set_hats(3, hats)
+    a, b, c, d = transpose(one, mz, my, myz)
+    store_row(hats, row, 0, (a + b) + (c + d))
+    a, b, c, d = transpose(mx, mxz, mxy, mxyz)
+    store_row(hats, row, 4, (a + b) + (c + d))
+    set_hats(3, hats[row])
 
 
 @inner_kernel
@@ -114,14 +117,17 @@ def _known(cells, c, cut, d, side):
 
     Without one the facet is not cut there: weights are continued.
     """
-    for way in range(9):
-        m = c
-        for turn in range(2):
-            e, beside = (d + 1 + turn) % 3, way // 3 if turn else way % 3
-            if beside > 0 and m >= 0:
-                m = cells.beside[m, 2 * e + beside - 1] if cut >> 2 * e & beside else -1
-        if m >= 0 and cells.beside[m, 2 * d + side] >= 0:
-            return True
+    e, f = (d + 1) % 3, (d + 2) % 3
+    for i in range(3):
+        if i > 0 and not cut >> 2 * e & i:
+            continue
+        m = cells.beside[c, 2 * e + i - 1] if i > 0 else c
+        for j in range(3 if m >= 0 else 0):
+            if j > 0 and not cut >> 2 * f & j:
+                continue
+            n = cells.beside[m, 2 * f + j - 1] if j > 0 else m
+            if n >= 0 and cells.beside[n, 2 * d + side] >= 0:
+                return True
     return False
 
 
@@ -135,7 +141,7 @@ def _set_polygon(place, edges, ways, cut, polygon):
     for n in range(4):
         s, r = 1.0 if n in (0, 3) else -1.0, 1.0 if n < 2 else -1.0
         for d in range(3):
-            polygon[0, n, d] = place[d] + s * edges[0, d] + r * edges[1, d]
+            polygon[n, d] = place[d] + s * edges[0, d] + r * edges[1, d]
     for d in range(3):
         if ways[d] > 0.0 or (ways[d] == 0.0 and cut >> 2 * d & 1):
             count = _clip(polygon, count, d, 1.0 if ways[d] > 0.0 else 0.0, 1.0)
@@ -188,10 +194,12 @@ def find_pieces(D, cells, c, near, pieces):
     See `spread_weights`. Cells that are not known count as the one at hand, continued.
     """
     number, hats, place, edges = pieces[0], pieces[1], near.place, near.edges
-    cut, known, whole, size, found = 0, 0, 0.0, 0.0, 0
+    cut, known, whole, size, found, axis = 0, 0, 0.0, 0.0, 0, 0
     for d in range(3):
         e, f = (d + 1) % 3, (d + 2) % 3
-        whole += (edges[0, e] * edges[1, f] - edges[0, f] * edges[1, e]) ** 2
+        part = 4.0 * (edges[0, e] * edges[1, f] - edges[0, f] * edges[1, e])
+        if abs(part) > abs(whole):
+            whole, axis = part, d
         size += abs(edges[0, d]) + abs(edges[1, d])
     for d in range(D if size > 0.0 else 0):  # of no size: of material, whose cells have none beside
         cut |= _reaches(place, edges, d) << 2 * d
@@ -211,7 +219,7 @@ def find_pieces(D, cells, c, near, pieces):
             for i in range(3 if y >> j & 1 else 0):
                 if x >> i & 1:
                     at = (i, j, k), found
-                    _add_piece(D, cells, c, near, (known, 4.0 * sqrt(whole)), at, pieces)
+                    _add_piece(D, cells, c, near, (known, (axis, whole)), at, pieces)
                     found += 1
     return found
 
@@ -220,7 +228,8 @@ def find_pieces(D, cells, c, near, pieces):
 def _add_piece(D, cells, c, near, sizes, at, pieces):
     """Add the piece of a facet in its cell, or in one beside it, see `_meets`.
 
-    `sizes` are the sides on which it is cut, and its area; `at` the cell, and the pieces so far.
+    `sizes` are the sides on which it is cut, and its area, see `_set_polygon_means`; `at` the cell,
+    and the pieces so far.
     """
     (number, every, scratch, ways), (cut, whole), (there, found), cell = pieces, sizes, at, c
     for d in range(3):
@@ -229,17 +238,17 @@ def _add_piece(D, cells, c, near, sizes, at, pieces):
             cell = cells.beside[cell, 2 * d + there[d] // 2] if cell >= 0 else -1
     number[found], hats = cell if cell >= 0 else c, every[found]
     if D == 2:
-        share = _set_segment(near.place, near.edges, ways, cut, scratch[0])
+        share = _set_segment(near.place, near.edges, ways, cut, scratch)
         for d in range(2):
-            scratch[0, 0, d] -= ways[d] if cell >= 0 else 0.0
-        set_means(D, scratch[0, 0], scratch[0, 1:3], hats)
+            scratch[0, d] -= ways[d] if cell >= 0 else 0.0
+        set_means(D, scratch[0], scratch[1:3], hats)
         for corner in range(1 << D):
             hats[corner] *= share
     else:
         count = _set_polygon(near.place, near.edges, ways, cut, scratch)
         for d in range(3):
             ways[d] = ways[d] if cell >= 0 else 0.0
-        _set_polygon_means(scratch, count, whole, ways, hats)
+        _set_polygon_means(scratch, count, whole, ways, every, found)
 
 
 @inner_kernel
@@ -252,7 +261,7 @@ def spread_weights(D, cells, c, near, pieces):
         The cell with its centroid.
     near : NEAR_FACET
         The facet, with its place, edges and offset.
-    pieces : ((3^D + 1,) int64, (3^D + 1, 2^D) float64, (2, 16, 3) float64, (3,) float64)
+    pieces : ((3^D + 1,) int64, (3^D + 1, 2^D) float64, (32, 4) float64, (3,) float64)
         Filled: cells and weights, which add up to 1; scratch.
 
     Returns
@@ -293,25 +302,21 @@ def keep_pieces(D, near, used, pieces, count, kept):
     near.pieces = count
     for n in range(count):
         numbers[used + n] = pieces[0][n]
-        for corner in range(1 << D):
-            hats[used + n, corner] = pieces[1][n, corner]
+        if D == 3:
+            store_row(hats, used + n, 0, load_row(pieces[1], n, 0))
+            store_row(hats, used + n, 4, load_row(pieces[1], n, 4))
+        else:
+            for corner in range(1 << D):
+                hats[used + n, corner] = pieces[1][n, corner]
     return used + count
 
 
 @inner_kernel
-def mean_position(frame, cells, u, pieces, count, x):
-    """Set a facet's mean position, by the cells that it is in, see `spread_weights`."""
-    D, number, hats = len(frame.cell), pieces[0], pieces[1]
-    for d in range(3):
-        x[d] = 0.0
+def mean_displacement(D, cells, u, pieces, count):
+    """Mean displacement over a facet in lanes, by its pieces, see `find_pieces`."""
+    way, hats = vector(0.0), pieces[1]
     for n in range(count):
-        c, whole, way = number[n], 0.0, vector(0.0)
+        c = pieces[0][n]
         for corner in range(1 << D):
             way = hats[n, corner] * load_row(u, cells.corners[c, corner], 0) + way
-            whole += hats[n, corner]
-        for d in range(D):
-            above = 0.0
-            for corner in range(1 << D):
-                above += hats[n, corner] if corner >> (D - 1 - d) & 1 else 0.0
-            x[d] += whole * cells.low[c, d] + frame.cell[d] * above
-        x[0], x[1], x[2] = x[0] + lane(way, 0), x[1] + lane(way, 1), x[2] + lane(way, 2)
+    return way

@@ -86,7 +86,7 @@ class Room:
     def soft(self, vertices: int, pairs: int, coupling: Coupling) -> tuple[Any, ...]:
         """Scratch of `solve_softly`."""
         have = self._have
-        scratch = have("at", vertices, 3), have("before", pairs, 3), have("areas", pairs)
+        scratch = have("at", vertices, 4), have("before", pairs, 3), have("areas", pairs)
         answer = have("softened", len(coupling.answer), 3)
         softened = self._solved("soft", vertices, coupling)
         return softened, answer, scratch, self.prepared(pairs)

@@ -20,7 +20,7 @@ from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.contact.pairs import Pairs
 from pgimp.scene.scene import Scene
-from pgimp.solver.contact.impulses.impulse_contact import ImpulseContact
+from pgimp.solver.contact.impulses.impulse_contact import ACCURACY, ImpulseContact
 from pgimp.solver.contact.impulses.joint import Joint
 from pgimp.solver.contact.impulses.room import Room
 from pgimp.solver.contact.material.at_vertices import ContactAtVertices
@@ -38,6 +38,7 @@ class MixedContact(SurfaceContact):
 
     def __init__(self, scene: Scene, comm: Communicator) -> None:
         super().__init__(scene, comm)
+        self._accuracy = ACCURACY  # patches have no compliance
         self._current = np.flatnonzero(~scene.settings.lagrangian)
         own = self._among(self.pairs)
         self._at_vertices = ContactAtVertices(scene, comm, own, self._walls)

@@ -232,6 +232,7 @@ class NearMaterial(Proximity):
             start=np.concatenate([cells.start, entries + size * np.arange(1, n + 1)]),
             column=np.concatenate([self._column, np.zeros(n * size, np.int64)]),
             weight=np.concatenate([cells.weight, np.tile(np.eye(size), (n, 1))]),
+            plain=np.concatenate([cells.plain, np.ones(n, np.bool_)]),
         )
         self._joined = surface, more
         return self._joined

@@ -28,7 +28,7 @@ from pgimp.kernels.contact.surfaces.gaps import find_gaps
 from pgimp.kernels.contact.surfaces.groups import book_groups
 from pgimp.kernels.contact.surfaces.levels import TOUCHES
 from pgimp.kernels.contact.surfaces.loads import add_loads
-from pgimp.kernels.contact.surfaces.motion import move_facets, read_vertices
+from pgimp.kernels.contact.surfaces.motion import read_vertices
 from pgimp.kernels.contact.surfaces.rows import PARTS, find_patch_pairs
 from pgimp.kernels.contact.surfaces.soft import LEAST_AREA, solve_softly
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
@@ -57,6 +57,10 @@ from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import VertexUpdate
 
+#: The most sweeps in a step, and the relative change of impulses that ends them, without rigid
+#: bodies that move freely: these meet each other without the compliance of patches.
+SOFT_ACCURACY = 200, 1e-5
+
 
 class SurfaceContact(ImpulseContact):
     """Contact by surfaces: patches of one body, and the nearest facets of another.
@@ -72,6 +76,8 @@ class SurfaceContact(ImpulseContact):
         self._slaves: object = None
         self._acts = np.zeros((0, 0), np.uint8)
         self._rate, self._deepest = 0.0, -1
+        if not self.free:
+            self._accuracy = SOFT_ACCURACY
         cell = scene.domain.frame.cell
         lengths = PARTS * min(cell), TOUCHES * min(cell)
         self._sizes = LEAST_AREA * min(cell) ** (len(cell) - 1), *lengths
@@ -224,9 +230,7 @@ class SurfaceContact(ImpulseContact):
     def _joint(self, rank: RankState, update: VertexUpdate, table: Table) -> Joint:
         """The pairs of surfaces in the rank's groups; collective."""
         call, grid, share, proximity = self.call, rank.grid, self._proximity.share, self._proximity
-        frame, surface, cells, every = (
-            self.scene.domain.frame, table.every, share.cells, proximity.candidates
-        )  # fmt: skip
+        surface, cells, every = table.every, share.cells, proximity.candidates
         values, u = (
             np.empty(len(share.records), REFERENCE_VERTEX),
             np.empty((len(share.records), 4)),
@@ -234,13 +238,7 @@ class SurfaceContact(ImpulseContact):
         call(read_vertices, self._holding(update), grid.field, share.sent, share.records, values, u)
         u, values = share.gather(self.comm, u, values)
         dt, self._moved = update.t.dt, (cells, u)
-        laws, rigid = self._contact, self.rigid_bodies
-        patches, moving = proximity.awake(laws, table, u, flat(values), dt)
-        call(move_facets, frame, rigid, surface, cells, u, moving, proximity.scratch)
-        call(
-            find_gaps, frame, laws, self._walls, surface, (cells, u), proximity.scratch,
-            proximity.far, (every, patches),
-        )  # fmt: skip
+        patches = proximity.awake(self._contact, table, u, flat(values), dt)
         step = dt, self._warm_start.kept
         vertices = ReferenceVertices(share.keys, values)
         joint = self._pairs(surface, cells, (every, patches), vertices, step, self._room)
@@ -315,7 +313,7 @@ class SurfaceContact(ImpulseContact):
         """The candidates of the step, with the parts of wide facets in their place."""
         table, proximity, every = self._table, self._proximity, self._every
         assert table is not None
-        if not (every["facet"] >= len(table.wide)).any():
+        if not needed((every["facet"] >= len(table.wide)).any()):
             return every
         found, row = parted(table, every)
         of = self.scene.domain.frame, self._contact, self._walls, table.surface, self._moved

@@ -10,7 +10,7 @@ from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.data import Contact
 from pgimp.kernels.contact.impulses.pairs import SeparatingWalls
-from pgimp.kernels.contact.surfaces.awake import find_awake
+from pgimp.kernels.contact.surfaces.awake import find_near_gaps
 from pgimp.kernels.contact.surfaces.data import KNOWN, Patches, no_facets
 from pgimp.kernels.contact.surfaces.gaps import FARTHEST
 from pgimp.kernels.contact.surfaces.motion import move_facets
@@ -114,10 +114,11 @@ class Proximity:
             np.zeros(1, np.int64), np.empty(0, np.int64), np.empty(0, np.uint8), np.empty(0),
             np.empty((0, KNOWN)),
         )  # fmt: skip
-        # Facets that are moved in a step; the first of each patch, and which patches they are of.
+        # Facets that are moved in a step, and how many; the first of each patch that may be.
         self._chosen, self._first = np.empty((2, 0), np.int64)
-        self._marks = np.empty((2, 0), np.uint8)
-        self._now = np.zeros((1, KNOWN))
+        self._moves, self._marks = np.zeros(1, np.int64), np.empty(0, np.bool_)
+        self._whole = bool(scene.case.output.surface)  # loads are of all facets
+        self._now = np.empty((0, KNOWN)), np.empty(0, np.int64)
         self._window: object = None
         self._before = np.empty((0, 3))  # displacements of all surface vertices at the last search
         self._restored = np.empty(0)
@@ -283,25 +284,29 @@ class Proximity:
         every = candidates_of(
             table.every, joined(table, walls, candidates_of(table.surface, found))
         )
-        travel = np.inf if scene.case.output.surface else self._travel
+        travel = np.inf if self._whole else self._travel
         self._moving = moving_of(table, every, travel, self._moving)
         self._divide(table, every, Patches.of(table.every, every).known)
         return True
 
     def awake(
         self, laws: Contact, table: Table, u: np.ndarray, values: np.ndarray, dt: float
-    ) -> tuple[Patches, np.ndarray]:
-        """The patches that may have a pair in a step, and the facets to be moved for them.
+    ) -> Patches:
+        """The patches that may have a pair in a step, whose gaps are found.
 
         `u` and `values` are displacements of the share's vertices, (v, 4), and their records.
         """
         share, patches = self.share, self.patches
-        moving = share.moving, self._first, table.around, self._marks, self._chosen
-        awake, moves = self.call(
-            find_awake, self.scene.domain.frame, laws, table.every, (share.cells, u, values), dt,
-            (self.candidates, patches), moving, (self.scratch[0], self._now),
+        moving = (
+            share.moving, self._first, table.around, self._marks, self._chosen, self._moves,
+            self._whole,
         )  # fmt: skip
-        return patches.first(awake), self._chosen[:moves]
+        awake = self.call(
+            find_near_gaps, self.scene.domain.frame, laws, self.walls, table.every,
+            (share.cells, u, values), (dt, self.far), (self.candidates, patches),
+            (moving, self.scratch, self._now),
+        )  # fmt: skip
+        return patches.first(awake)
 
     @property
     def _unwatched(self) -> float:
@@ -362,7 +367,9 @@ class Proximity:
         self.share = share_of(self.comm, table, self._moving, self.groups, self._records)
         self.patches = Patches.of(surface, self.candidates)._replace(known=known[here])
         patches, moving = len(table.around[0]) - 1, self.share.moving
-        self._chosen, self._marks = np.empty_like(moving), np.zeros((2, patches), np.uint8)
+        self._chosen = np.empty(len(moving) + 2 * len(mine), np.int64)
+        self._marks, self._moves[0] = np.zeros(patches, np.bool_), 0
+        self._now = np.empty((len(here), KNOWN)), np.empty(len(here), np.int64)
         self._first = np.searchsorted(surface.patch[moving], np.arange(patches + 1))
         room = PIECES * len(mine)
         room += _MORE_PIECES * int((self.candidates["facet"] >= len(table.wide)).sum())

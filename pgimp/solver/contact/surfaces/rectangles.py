@@ -2,7 +2,8 @@
 
 Weights of a patch are means over its facets, by their second moments, see
 `pgimp.kernels.contact.surfaces.spread`. So a rectangle has exact ones, whatever it is made of. Near
-edges and before what is not flat, small facets tell where a patch touches.
+edges, rows of facets along these tell where a patch touches; at corners and before what is not
+flat, small facets do.
 """
 
 from __future__ import annotations
@@ -16,9 +17,12 @@ from pgimp.scene.bodies.surfaces.boxes import distinct
 #: Greatest relative error of areas of rectangles, and of cosines of what is in a plane.
 _EXACT = 1e-6
 
+#: Cells by which facets of a row are off it, at most; likewise for vectors across their edge.
+_ROW = 1e-3
+
 
 def with_wide(
-    surface: Surface, inside: np.ndarray, cell: np.ndarray, number: np.ndarray
+    surface: Surface, edges: tuple[np.ndarray, np.ndarray], cell: np.ndarray, number: np.ndarray
 ) -> tuple[Surface, np.ndarray]:
     """Facets, and after them wide ones; the wide one that each facet is part of, or -1.
 
@@ -26,17 +30,20 @@ def with_wide(
     ----------
     surface : Surface
         The facets of all bodies.
-    inside : (n,) bool
-        Whether they are in a plane, and not at its edges.
+    edges : ((n,) bool, (n, 3) float64)
+        Whether they are in a plane, and not at its edges; else unit vectors towards the only edge.
     cell : (D,) float64
         Sides of a cell.
     number : (n, D) int64
         Numbers of the cells that they are in.
     """
-    D, wide, flat = len(cell), np.full(len(surface.x), -1), np.flatnonzero(inside)
+    D, wide, (inside, towards) = len(cell), np.full(len(surface.x), -1), edges
+    flat = np.flatnonzero(inside | towards.any(axis=1))
     if D < 3 or not len(flat):
         return surface, wide
-    first, of = distinct(np.column_stack([surface.patch, surface.cell, number])[flat])
+    away = np.rint((towards * surface.x).sum(axis=1) / (_ROW * cell.min()))
+    rows = np.column_stack([np.rint(towards / _ROW), away]).astype(np.int64)
+    first, of = distinct(np.column_stack([surface.patch, surface.cell, number, rows])[flat])
     own, order = flat[first], np.argsort(of, kind="stable")
     begin = np.searchsorted(of[order], np.arange(len(first)))
 
@@ -44,13 +51,13 @@ def with_wide(
         """Sums over the facets of each wide one."""
         return np.add.reduceat(values[order], begin)
 
-    part, edges = surface.area[flat], surface.edges[flat]
+    part, its = surface.area[flat], surface.edges[flat]
     area = sums(part)
     x = sums(part[:, None] * surface.x[flat]) / area[:, None]
     way = surface.x[flat] - x[of]
-    square = way[:, :, None] * way[:, None] + (edges.transpose(0, 2, 1) @ edges) / 3.0
+    square = way[:, :, None] * way[:, None] + (its.transpose(0, 2, 1) @ its) / 3.0
     moments = sums(part[:, None, None] * square) / area[:, None, None]
-    normal, edges = surface.normal[own], np.zeros((len(own), 2, 3))
+    normal, both = surface.normal[own], np.zeros((len(own), 2, 3))
     b = surface.edges[own, 1]
     b = b / np.sqrt((b * b).sum(axis=1))[:, None]
     a = np.cross(b, normal)
@@ -61,7 +68,7 @@ def with_wide(
     along = np.sqrt(along)
     skew /= along
     across = np.sqrt(np.maximum(across - skew**2, 0.0))
-    edges[:, 0], edges[:, 1] = along[:, None] * a + skew[:, None] * b, across[:, None] * b
+    both[:, 0], both[:, 1] = along[:, None] * a + skew[:, None] * b, across[:, None] * b
     low = np.minimum.reduceat((surface.middle - surface.half)[flat[order]], begin)
     high = np.maximum.reduceat((surface.middle + surface.half)[flat[order]], begin)
     same = np.minimum.reduceat((surface.normal[flat] * normal[of]).sum(axis=1)[order], begin)
@@ -74,7 +81,7 @@ def with_wide(
     more = {
         "x": x[good], "middle": 0.5 * (low + high)[good], "half": 0.5 * (high - low)[good],
         "area": area[good], "radius": radius_of(area[good], D), "place": place,
-        "edges": edges[good], "start": np.full(len(own), surface.start[-1]),
+        "edges": both[good], "start": np.full(len(own), surface.start[-1]),
     }  # fmt: skip
     found = {
         name: np.concatenate([values, more[name] if name in more else values[own]])

@@ -111,10 +111,10 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
         beside, np.full((len(body), 3), np.inf), np.zeros((len(body), 3)),
         np.zeros((len(body), 2, 3)), np.zeros((len(body), 2**D)), periods if periods.any() else (),
     )  # fmt: skip
-    inside = np.zeros(len(body), bool)
-    find_tips(surface, SHARP, _EDGE * float(cell.max()), inside)
+    inside, towards = np.zeros(len(body), bool), np.zeros((len(body), 3))
+    find_tips(surface, SHARP, _EDGE * float(cell.max()), inside, towards)
     number = np.floor((facets.x[:, :D] - origin) / cell - _DEPTHS[0] * facets.normal[:, :D])
-    whole, wide = with_wide(surface, inside, cell, number.astype(np.int64))
+    whole, wide = with_wide(surface, (inside, towards), cell, number.astype(np.int64))
     if scene.case.axisymmetric or not scene.settings.lagrangian.all():
         whole, wide = surface, np.full(len(body), -1)
     find_means(frame, whole, np.zeros((2, 3)))
@@ -249,11 +249,14 @@ def _cells(
     pairs, weights = pairs[first], np.zeros((len(first), len(corner)))
     np.add.at(weights, (entry, which), weight)
     start = np.concatenate([[0], np.cumsum(np.bincount(pairs[:, 0], minlength=len(places)))])
-    low = np.zeros((len(places), 3))
+    low, plain = np.zeros((len(places), 3)), np.diff(start) == len(corner)
     low[:, :D] = origin + places[:, 1:] * cell
+    rows = start[:-1][plain, None] + np.arange(len(corner))
+    plain[plain] = (weights[rows] == np.eye(len(corner))).all(axis=(1, 2))
     cells = SurfaceCells(
         low, np.searchsorted(every, corners).reshape(-1, len(corner)), start,
         np.ascontiguousarray(pairs[:, 1]), weights, _cells_beside(places),
+        plain,
     )  # fmt: skip
     return cells, of, np.stack(Vertices.numbers(rank, every), axis=1)
 

@@ -31,7 +31,8 @@ def cells_of(D):
     low[:, :D] = numbers
     corners = vertices @ 4 ** np.arange(D)[::-1]
     none = np.zeros(0, np.int64)
-    return SurfaceCells(low, corners, none, none, np.zeros((0, 2**D)), beside)
+    plain = np.zeros(len(low), np.bool_)
+    return SurfaceCells(low, corners, none, none, np.zeros((0, 2**D)), beside, plain)
 
 
 def hats(x, D):

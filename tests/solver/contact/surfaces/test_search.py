@@ -138,9 +138,9 @@ def test_patches_that_rest_are_too_far_to_act():
         move_facets(frame, rigid, surface, cells, u, proximity.share.moving, proximity.scratch)
         find_gaps(frame, laws, contact._walls, surface, (cells, u), proximity.scratch,
                   proximity.far, (every, Patches.of(surface, every, -1.0)))  # fmt: skip
-        patches, moving = awake(laws, table, u, values, dt)
+        patches = awake(laws, table, u, values, dt)
         found.append((every["gap"], patches, dt * np.abs(values[:, :3]).max()))
-        return patches, moving
+        return patches
 
     awake, proximity.awake = proximity.awake, looked
     acting, resting, near = 0, 0, 0

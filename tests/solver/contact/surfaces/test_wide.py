@@ -58,7 +58,7 @@ def test_joined_facets_have_the_sums_and_the_weights_of_their_parts():
 
 
 def test_only_what_lies_on_a_plane_is_joined():
-    """Beside edges, of either body, facets are small; a block's middle has one for each cell."""
+    """Beside edges are rows of facets, at corners small ones; the middle has one for each cell."""
     sim, table = at_rest()
     every = sim.rank.contact.proximity.candidates
     of, body = every["facet"], every["body"]
@@ -69,7 +69,12 @@ def test_only_what_lies_on_a_plane_is_joined():
     assert between.any()
     x, low, high = table.every.x[of], np.array([1.3, 1.2]), np.array([8.6, 6.4])
     edge = np.minimum(x[:, :2] - low, high - x[:, :2]).min(axis=1)
-    assert not wide[edge < 0.25].any()
+    rows, x = table.every.half[of][wide & (edge < 0.25), :2], x[:, :2]
+    corners = (x < low + 0.25).all(axis=1)
+    assert (rows.min(axis=1) < 0.13).all()
+    assert (rows.max(axis=1) > 0.2).any()
+    assert not wide[corners].any()
+    assert corners[on_floor].any()
     assert wide[on_floor & (edge > 1.0)].all()
     assert wide[between].any()
     assert (table.surface.tip[every["other"][wide & ~on_floor]] & FLAT != 0).all()
