@@ -81,8 +81,9 @@ def _everything(line, name, case):
 
 def _energy(case, lines):
     """Energy that comes from nothing."""
-    if case.gravity is not None and any(body.free for body in case.rigid_bodies.values()):
-        return  # the work of their weight is in no book
+    free = [body for body in case.rigid_bodies.values() if body.free]
+    if any(case.gravity is not None or body.rigid.force or body.rigid.spring for body in free):
+        return  # the work of their weight, of given forces and of springs is in no book
     E = np.array([_total(line, "kinetic-energy") + _total(line, "strain-energy") for line in lines])
     for body, entry in case.rigid_bodies.items():
         if entry.free:
