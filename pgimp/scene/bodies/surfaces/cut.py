@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from pgimp.geometry.measure import MONOMIALS, measure, pieces
 from pgimp.geometry.regions.base import Region
+from pgimp.geometry.rows import ascending
 from pgimp.scene.bodies.elements import PRODUCTS, Elements, Indices, Reals
 from pgimp.scene.bodies.lattice_body import LatticeBody
 from pgimp.scene.bodies.surfaces.boxes import Closed, combinations, edge
@@ -66,7 +67,7 @@ def _near_boxes(body: LatticeBody, ranges: Sequence[Indices]) -> Indices:
         boxes = boxes[(boxes < last).all(axis=1)]
         found.append(boxes[near(boxes, boxes + 1)])
     boxes = np.concatenate(found)
-    return boxes[np.lexsort(boxes.T[::-1])]
+    return boxes[ascending(boxes)]
 
 
 def _before(number: Indices) -> Indices:
@@ -197,7 +198,7 @@ def cut_elements(
         own = flat_ones._replace(area=of_side, moment=moments, second=seconds)
         every.append(own.chosen(some))
     joined = Elements(*map(np.concatenate, zip(*every, strict=True)))
-    return joined.chosen(np.lexsort(joined.box.T[::-1]))
+    return joined.chosen(ascending(joined.box))
 
 
 def _column(axes: tuple[int, ...], d: int) -> int:
