@@ -20,13 +20,13 @@ class Body(Model):
 
     material: Name = Field(description="name of its material")
     region: RegionEntry = Field(description="the part of space that it fills at the start")
-    surface: Literal["cut", "whole", "exact"] = Field(
-        default="cut",
-        description="cut: a particle that the surface cuts has the volume, mass and momentum of "
-        "its part inside; of bodies in the initial configuration, in a shape no wider "
+    surface: Literal["cut-particles", "whole-particles", "exact"] = Field(
+        default="cut-particles",
+        description="cut-particles: a particle that the surface cuts has the volume, mass and "
+        "momentum of its part inside; of bodies in the initial configuration, in a shape no wider "
         "than cells, its weights and forces are those of this part, too, and vertices that hold "
-        "next to nothing move with those next to them. whole: whole particles, those whose centre "
-        "lies inside. exact: older word for `cut` there",
+        "next to nothing move with those next to them. whole-particles: those whose centre lies "
+        "inside. exact: older word for `cut-particles` there",
     )
     velocity: Annotated[
         tuple[float, ...] | RigidMotion | OwnVelocity,
@@ -87,7 +87,7 @@ def may_be_exact(bodies: Mapping[str, Body], method: Shape) -> list[bool]:
     it then is, all can or none, and shapes may be as wide as they like.
     """
     able = [
-        body.surface != "whole" and not isinstance(body.region, Points)
+        body.surface != "whole-particles" and not isinstance(body.region, Points)
         for body in bodies.values()
         if body.formulation == "total-lagrangian"
     ]

@@ -56,7 +56,7 @@ class TangledError(Exception):
     def __init__(self) -> None:
         super().__init__(
             "has more surfaces in one particle's box than can be told apart there; use fewer and "
-            "larger parts, smaller cells (grid.cell) or surface: whole"
+            "larger parts, smaller cells (grid.cell) or surface: whole-particles"
         )
 
 

@@ -217,7 +217,7 @@ class SceneLoads:
             for d in range(len(self.half)):
                 edges, centres = self._lattice(d)
                 columns.append(np.searchsorted(centres, p.x[mine, d]))
-                if body.surface != "whole":
+                if body.surface != "whole-particles":
                     parts.append(covered_fractions(low[d], high[d], edges))
                     if d == 0 and self.case.axisymmetric:
                         parts[0] *= ring_factors(low[0], high[0], edges)

@@ -67,7 +67,7 @@ def core(case: Any, overrides: Any = ()) -> Simulation:
     bodies = case["bodies"].values() if isinstance(case, dict) else ()
     boxes = [body for body in bodies if body.get("surface") == "boxes"]
     for body in boxes:
-        body["surface"] = "cut"
+        body["surface"] = "cut-particles"
     with ExitStack() as stack:
         if boxes:
             name = "pgimp.case.checks.exact_surfaces.may_be_exact"

@@ -160,7 +160,7 @@ def test_the_resolved_case_reads_like_one_written_by_hand():
         "  bar:\n"
         "    material: bar\n"
         "    region: {box: {min: [0.0], max: [50.0]}}\n"
-        "    surface: cut\n"
+        "    surface: cut-particles\n"
         "    velocity: [0.0]\n"
         "    formulation: updated-lagrangian\n"
         "    mass: null\n"

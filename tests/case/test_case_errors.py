@@ -210,7 +210,7 @@ def located_mistakes():
         "mesh": ("{mesh: {file: m.vtu}}", "open ends, the first at (5, 5), of segment 0 (from 0)"),
         "beyond": ("{points: {file: far.csv}}", "reaches 1 beyond the domain at x-max"),
         "nothing": (
-            "{box: {min: [5.1, 5.1], max: [5.2, 5.2]}}\n    surface: whole",
+            "{box: {min: [5.1, 5.1], max: [5.2, 5.2]}}\n    surface: whole-particles",
             "contains no particle",
         ),
     }

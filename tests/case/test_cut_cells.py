@@ -25,8 +25,8 @@ def both(first, second):
     [
         (scene(2, both(ALONG, BALL)), [True, True]),
         (scene(2, both(ALONG, BALL | {"surface": "exact"})), [True, True]),
-        (scene(2, both(ALONG, BALL | {"surface": "whole"})), [False, False]),
-        (scene(2, both(ALONG | {"surface": "whole"}, BALL)), [False, True]),
+        (scene(2, both(ALONG, BALL | {"surface": "whole-particles"})), [False, False]),
+        (scene(2, both(ALONG | {"surface": "whole-particles"}, BALL)), [False, True]),
         (scene(2, {"a": ALONG, "b": BALL | INITIAL}), [False, True]),
         (scene(2, both(ALONG, BALL), shape="bspline-quadratic"), [False, False]),
         (scene(2, ALONG | INITIAL), [False]),
@@ -77,7 +77,7 @@ def test_what_is_cut(region, cut):
 def test_bodies_on_the_lattice_have_the_bits_of_whole_particles():
     """They have no parts either: no column, no slave."""
     found = []
-    for surface in ("cut", "exact", "whole"):
+    for surface in ("cut-particles", "exact", "whole-particles"):
         body = ALONG | INITIAL | {"surface": surface, "velocity": [0.3, 0.1]}
         load = {"push": {"body": "body", "face": "x-max", "pressure": 1.0}}
         sim = finish(start(scene(2, body, tractions=load, end=0.5)))
@@ -89,13 +89,13 @@ def test_bodies_on_the_lattice_have_the_bits_of_whole_particles():
 
 def test_the_older_word_is_refused_where_cells_cannot_be_exact():
     body = BALL | INITIAL | {"surface": "exact"}
-    with pytest.raises(ValidationError, match="surface: cut"):
+    with pytest.raises(ValidationError, match="surface: cut-particles"):
         Case.model_validate(scene(2, body, shape="bspline-quadratic"))
 
 
 def test_the_older_word_gives_the_bits_of_cut():
     found = []
-    for surface in ("cut", "exact"):
+    for surface in ("cut-particles", "exact"):
         body = BALL | INITIAL | {"surface": surface, "velocity": [0.3, 0.1]}
         sim = finish(start(scene(2, body, boundaries={"x-max": "slip"}, end=0.2)))
         assert len(sim.rank.slaves.keys) > 2

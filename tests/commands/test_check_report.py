@@ -60,7 +60,7 @@ def test_the_report_says_where_cut_cells_are_those_of_boxes(capsys, unmeasured):
     body = box([1.3, 2.0], [4.0, 4.0]) | {"formulation": "total-lagrangian"}
     both = {"a": body, "b": box([5.0, 2.0], [7.0, 4.0])}
     whole = both | {"c": box([2.0, 5.0], [4.0, 7.0]) | {"formulation": "total-lagrangian",
-                                                       "surface": "whole"}}  # fmt: skip
+                                                       "surface": "whole-particles"}}  # fmt: skip
     for case, why in (
         (scene(2, body, shape="bspline-quadratic"), "bspline-quadratic is wider than cells"),
         (scene(2, both), ""),
@@ -86,7 +86,7 @@ def test_the_report_has_the_warnings(capsys, unmeasured):
     check.report(case, verbose=True)
     named = [line for line in capsys.readouterr().out.splitlines() if "warning: " in line]
     ids = [line.partition("[")[2].partition("]")[0] for line in named]
-    assert ids == ["short-step", "load-strain", "units", "units", "few-transits"]
+    assert ids == ["short-step", "load-strain", "units", "units", "short-run"]
     assert [re.sub(r"\[.*?\] ", "", line, count=1) for line in named] == warnings
 
 

@@ -80,13 +80,13 @@ def test_sums_over_boxes_are_exact_at_any_offset(data, dimension, kind):
 def test_a_box_on_the_lattice_is_made_of_whole_particles(D):
     """Also where its corners are not exactly those of the lattice's boxes."""
     made = {}
-    for surface in ("cut", "whole"):
+    for surface in ("cut-particles", "whole-particles"):
         block = body(box([0.3] * D, [0.9] * D), surface, [0.1] * D)
         case = scene(D, block, cells=[12] * D, cell=0.1)
         made[surface], _ = particles(case)
-    for a, b in zip(made["cut"], made["whole"], strict=True):
+    for a, b in zip(made["cut-particles"], made["whole-particles"], strict=True):
         assert a.tobytes() == b.tobytes()
-    assert len(made["cut"].m) == 12**D
+    assert len(made["cut-particles"].m) == 12**D
 
 
 @pytest.mark.parametrize("D", [1, 2, 3])
@@ -97,7 +97,7 @@ def test_thin_plates_exist_with_their_mass(D, thickness):
     p, _ = particles(scene(D, body(box(low, high))))
     assert p.m.sum() == pytest.approx(thickness * 3.3 ** (D - 1), rel=1e-8)
     with pytest.raises(CaseError, match="contains no particle"):
-        particles(scene(D, body(box(low, [*high[:-1], low[-1] + 0.1]), "whole")))
+        particles(scene(D, body(box(low, [*high[:-1], low[-1] + 0.1]), "whole-particles")))
 
 
 # -- curved surfaces
@@ -143,13 +143,13 @@ def test_the_mass_of_round_bodies_converges_fast(name):
     offsets = rng.random((4, 3))
     rms = {
         (n, surface): np.sqrt(np.mean([volume_error(name, n, surface, o) ** 2 for o in offsets]))
-        for n, surface in ((8, "cut"), (16, "cut"), (24, "cut"), (16, "whole"))
+        for n, surface in (*((n, "cut-particles") for n in (8, 16, 24)), (16, "whole-particles"))
     }
     bound = 3e-4 if name == "tilted" else 4e-6
-    assert rms[8, "cut"] < bound
-    order = np.log(rms[8, "cut"] / rms[24, "cut"]) / np.log(3.0)
+    assert rms[8, "cut-particles"] < bound
+    order = np.log(rms[8, "cut-particles"] / rms[24, "cut-particles"]) / np.log(3.0)
     assert order > (1.4 if name == "tilted" else 3.2)
-    assert rms[16, "cut"] < 0.02 * rms[16, "whole"]
+    assert rms[16, "cut-particles"] < 0.02 * rms[16, "whole-particles"]
 
 
 @pytest.mark.parametrize(

@@ -93,7 +93,7 @@ def quarter(kind, D, shift=0.0):
     return {"difference": [whole, *beyond]}
 
 
-@pytest.mark.parametrize("surface", ["cut", "whole"])
+@pytest.mark.parametrize("surface", ["cut-particles", "whole-particles"])
 @pytest.mark.parametrize("D", [2, 3])
 @pytest.mark.parametrize("kind", ["half-spaces", "box", "boxes"])
 def test_a_quarter_of_a_ball_on_slip_planes_is_as_exact_as_the_ball(kind, D, surface):
@@ -106,7 +106,7 @@ def test_a_quarter_of_a_ball_on_slip_planes_is_as_exact_as_the_ball(kind, D, sur
     p, _ = particles(part)
     exact = (math.pi if D == 2 else 4 / 3 * math.pi) / 2**D
     error = p.V.sum() / exact - 1.0
-    assert abs(error) < (4e-6 if surface == "cut" else 0.05)
+    assert abs(error) < (4e-6 if surface == "cut-particles" else 0.05)
     q, _ = particles(whole)
     np.testing.assert_allclose(p.V.sum() * 2**D, q.V.sum(), rtol=1e-13)
     corner = (q.x > 0).all(axis=1)

@@ -18,7 +18,7 @@ from pgimp.scene.bodies.populate import populate
 from pgimp.scene.scene import Scene
 
 
-def case(D, surface="cut", **changes):
+def case(D, surface="cut-particles", **changes):
     cells, corner = [8, 7, 6][:D], [1.1, 0.9, 0.2][:D]
     data = {
         "format": 1,
@@ -40,7 +40,7 @@ def case(D, surface="cut", **changes):
     return Case.model_validate(data)
 
 
-def particles(D, surface="cut"):
+def particles(D, surface="cut-particles"):
     scene_ = Scene(case(D, surface))
     lattice, counts, notes = count_particles(scene_, Serial())
     p = populate(scene_, lattice, counts, (0, lattice.planes))
@@ -49,7 +49,7 @@ def particles(D, surface="cut"):
 
 @pytest.mark.parametrize("D", [1, 2, 3])
 @pytest.mark.parametrize("block", [1, 7, 50])
-@pytest.mark.parametrize("surface", ["cut", "whole"])
+@pytest.mark.parametrize("surface", ["cut-particles", "whole-particles"])
 def test_small_blocks_make_the_same_particles(monkeypatch, D, block, surface):
     whole, counts, notes = particles(D, surface)
     monkeypatch.setattr(lattice_module, "_BLOCK", block)
@@ -75,8 +75,8 @@ def test_ids_count_by_body_then_position(D):
 
 
 def test_whole_particles_are_the_points_that_the_regions_contain():
-    p, counts, _ = particles(2, "whole")
-    case_ = case(2, "whole")
+    p, counts, _ = particles(2, "whole-particles")
+    case_ = case(2, "whole-particles")
     lattice = Lattice(case_)
     points = np.stack(np.meshgrid(*lattice.coordinates, indexing="ij"), axis=-1).reshape(-1, 2)
     for body, entry in enumerate(case_.bodies.values()):
@@ -86,7 +86,7 @@ def test_whole_particles_are_the_points_that_the_regions_contain():
 
 
 @pytest.mark.parametrize("block", [7, 10**6])
-@pytest.mark.parametrize("surface", ["cut", "whole"])
+@pytest.mark.parametrize("surface", ["cut-particles", "whole-particles"])
 def test_a_point_in_two_bodies_is_named(monkeypatch, block, surface):
     monkeypatch.setattr(lattice_module, "_BLOCK", block)
     box = {"box": {"min": [4.0, 3.0], "max": [6.0, 6.0]}}

@@ -75,7 +75,7 @@ def fallback(case: Any) -> str:
     cut = [
         name
         for name, body in bodies.items()
-        if body.formulation == "total-lagrangian" and body.surface == "cut"
+        if body.formulation == "total-lagrangian" and body.surface == "cut-particles"
         if not isinstance(body.region, Points)
         if cuts(body.region, case.grid, method.particles_per_cell)
     ]

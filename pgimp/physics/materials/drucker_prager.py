@@ -95,7 +95,7 @@ class DruckerPrager(Soil):
     CARRIES_STRESS: ClassVar[bool] = True
     LOSSES: ClassVar[tuple[str, ...]] = ("plastic-work",)
     STATE: ClassVar[tuple[State, ...]] = (
-        State("gap", "1", "volume by which the soil has opened, over its volume", least=0.0),
+        State("gap", "1", "tension-crack volume, over the volume of soil", least=0.0),
         State("plastic-shear", "1", "sum of the plastic shear strain, as of simple shear"),
         PLASTIC_WORK,
     )

@@ -189,7 +189,7 @@ class MohrCoulomb(Soil):
     LOSSES: ClassVar[tuple[str, ...]] = ("plastic-work",)
     STATE: ClassVar[tuple[State, ...]] = (
         State("elastic-stretch", "1", "elastic b - 1, b = F_e F_e^T", tensor=True),
-        State("gap", "1", "volume by which the soil has opened, over its volume", least=0.0),
+        State("gap", "1", "tension-crack volume, over the volume of soil", least=0.0),
         State("plastic-shear", "1", "sum of the plastic parts of the greatest shear strain"),
         PLASTIC_WORK,
     )

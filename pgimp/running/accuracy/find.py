@@ -187,11 +187,11 @@ def of_frames(case: Case, history: Array, frames: Sequence[Frame]) -> list[Indic
         loaded = max(every, key=lambda one: one.square)
         fluid = state.name in case.bodies and _flows(case, state.name)
         if np.isfinite(loaded.within_cells):
-            name = "noise" if fluid else "stripes"
+            name = "noise" if fluid else "checkerboard"
             found.append(Indicator(name, loaded.within_cells, state.name))
         frozen = _frozen(history, state)
         if np.isfinite(frozen) and not fluid and _is_current(case, state.name):
-            found.append(Indicator("frozen", frozen, state.name))
+            found.append(Indicator("locked-in", frozen, state.name))
     return found
 
 

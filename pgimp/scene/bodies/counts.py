@@ -53,7 +53,7 @@ def count_all(lattice: Lattice, comm: Communicator) -> Counts:
                 f"bodies.{name}.region: contains no particle: no point of the lattice of "
                 f"{' x '.join(str(n) for n in lattice.per_cell)} particles a cell lies inside; "
                 "use a larger region, smaller cells (grid.cell), more particles per cell or "
-                "surface: cut"
+                "surface: cut-particles"
             )
     if problems:
         raise CaseError("\n".join(problems))

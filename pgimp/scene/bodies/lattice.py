@@ -108,7 +108,7 @@ class Lattice:
                 body.region,
                 self.edges,
                 self.coordinates,
-                body.surface != "whole",
+                body.surface != "whole-particles",
                 exact,
                 case.axisymmetric,
             )

@@ -125,13 +125,13 @@ def body_warnings(
     transits = duration * body.wave_speed / body.extent
     if transits < _FEWEST_TRANSITS and not settles:
         yield warned(
-            "few-transits",
+            "short-run",
             f"time.end: until then a wave crosses only {transits:.2g} of {body.name}; is it in the "
             "unit of time that belongs to young, density and grid?",
         )
     elif transits > _MOST_TRANSITS:
         yield warned(
-            "many-transits",
+            "long-run",
             f"time.end: waves cross {body.name} {transits:.3g} times until then, too often for a "
             "method that follows each; is it in the unit of time that belongs to young, density "
             "and grid? What is slow can be shortened, as long as it stays slow for the waves",

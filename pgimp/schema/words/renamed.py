@@ -37,6 +37,8 @@ KEYS = (
 VALUES = (
     ("bodies.*.formulation", "initial", "total-lagrangian"),
     ("bodies.*.formulation", "current", "updated-lagrangian"),
+    ("bodies.*.surface", "cut", "cut-particles"),
+    ("bodies.*.surface", "whole", "whole-particles"),
     ("method.volumetric", "mean", "b-bar"),
     ("boundaries.*", "separating", "unilateral"),
     ("contact.*.law", "tied", "tie"),

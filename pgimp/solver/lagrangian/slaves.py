@@ -443,7 +443,7 @@ class Slaves(StepPart):
                 + f"{alone} of them hold little, and have no cell near them. "
                 * bool(alone)
                 + "Such are where a body is thinner than two cells, or ends in a sharp edge: take "
-                "finer cells (grid.cell), a smaller number (time.step), or surface: whole"
+                "finer cells (grid.cell), a smaller number (time.step), or surface: whole-particles"
             )
 
     def notes(self) -> list[str]:

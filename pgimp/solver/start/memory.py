@@ -180,7 +180,7 @@ def estimate(
     cut = sum(
         body.surface
         for body, entry in zip(bodies, case.bodies.values(), strict=True)
-        if entry.surface != "whole"
+        if entry.surface != "whole-particles"
     )
     measured = cut * 8 * (1 + D) * share * (1.0 if ranks == 1 else 2.0)
     counting = Part(

@@ -189,7 +189,7 @@ def add_bodies(rng, scene):
         scene.stressed = case["materials"][scene.materials[i]]["model"] == "hooke"
         body = {"material": scene.materials[i], "region": kinds[kind][0](rng, *corners, scene)}
         if rng.random() < 0.3:
-            body["surface"] = "whole"
+            body["surface"] = "whole-particles"
         body["velocity"] = motion(rng, scene, corners)
         case["bodies"][f"body{i}"] = body
         scene.corners[f"body{i}"] = corners

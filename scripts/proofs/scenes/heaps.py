@@ -120,7 +120,7 @@ def _heap(rng, D, count, region, lagrangian=0.0):
         shift = 0.5 * (place[-1] % 2)
         centre = [pitch * (x + 0.5 + shift * (d < D - 1)) + rng.uniform(-slack, slack)
                   for d, x in enumerate(place)]  # fmt: skip
-        body = {"material": "soft", "region": region(centre, radius), "surface": "whole"}
+        body = {"material": "soft", "region": region(centre, radius), "surface": "whole-particles"}
         body["velocity"] = [rng.uniform(-1.5, 1.5) for _ in range(D)]
         body["velocity"][-1] = rng.uniform(-2.0, 0.0)
         if rng.random() < lagrangian:

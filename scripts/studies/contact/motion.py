@@ -256,7 +256,7 @@ def drum(rounds=9, steps=20):
     """Time of a step of cases/drum.yaml over that of its grains as one body at rest, and fields."""
     case = YAML(typ="safe").load(CASES / "drum.yaml")
     grains = [body["region"] for body in case["bodies"].values() if "rigid" not in body]
-    whole = {"material": "gel", "surface": "whole", "region": {"union": grains}}
+    whole = {"material": "gel", "surface": "whole-particles", "region": {"union": grains}}
     alone = {"bodies": {"grains": whole}, "contact": [], "gravity": [0.0, 0.0]}
     simulations = [pgimp.Simulation(pgimp.load(each)) for each in (case, case | alone)]
     for simulation in simulations:

@@ -45,7 +45,7 @@ def scene(cells, shape, per_cell):
     rubber = {"model": "neo-hookean", "young": YOUNG, "poisson": POISSON, "density": 1.0}
     return case_of(
         [wide, (across + 6) * h], h, {"rubber": rubber},
-        {"half": {"material": "rubber", "region": half, "surface": "cut"}}, 1.0 / SPEED,
+        {"half": {"material": "rubber", "region": half, "surface": "cut-particles"}}, 1.0 / SPEED,
         courant=0.4, per_cell=per_cell, method={"shape": shape},
         boundaries={"y-min": "unilateral"},
         constraints={"top": {"body": "half", "region": upper, "velocity": [0.0, -SPEED]}},

@@ -11,7 +11,7 @@ COURANT, ROUNDS = 0.3, 9
 SHIFT = (0.37, 0.21, 0.44)
 
 
-def block(D, cells, shift=(0.0, 0.0, 0.0), surface="cut", mass="lumped"):
+def block(D, cells, shift=(0.0, 0.0, 0.0), surface="cut-particles", mass="lumped"):
     """A simulation of a free block with so many cells along each direction."""
     low = [4.0 + s for s in shift[:D]]
     law = {"model": "neo-hookean", "young": 1.0, "poisson": dispersion.RATIO, "density": 1.0}

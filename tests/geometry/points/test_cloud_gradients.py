@@ -100,7 +100,7 @@ def test_a_frame_of_a_spinning_disk_goes_on_spinning(tmp_path):
     fields = ["velocity", "stress", "deformation", "mass", "initial-volume", "velocity-gradient"]
     spin = affine(disk, 2, end=0.02, output={"fields": fields})
     spin["bodies"]["body"] |= {
-        "surface": "whole",
+        "surface": "whole-particles",
         "velocity": {"rotation": {"about": [0.1, 0.0], "rate": 2.0}},
     }
     sim = start(spin)

@@ -28,7 +28,7 @@ def test_each_kind_is_given_somewhere_and_no_other():
     ("id", "bound"),
     [
         ("load-strain", sanity._MOST_STRAIN),
-        ("few-transits", sanity._FEWEST_TRANSITS),
+        ("short-run", sanity._FEWEST_TRANSITS),
         ("few-cells", round(sanity._FEW)),
         ("short-step", sanity.LEAST_COURANT),
         ("fast-rigid", rigid._FAST),

@@ -53,7 +53,7 @@ method: {shape: gimp, particles-per-cell: [2, 2]}
 time: {end: 0.1, step: 0.001}
 materials: {soft: {model: neo-hookean, young: 100.0, poisson: 0.3, density: 1.0}}
 bodies:
-  a: {material: soft, region: {box: {min: [1.0, 1.0], max: [3.0, 3.0]}},
+  a: {material: soft, region: {box: {min: [1.0, 1.0], max: [3.0, 3.0]}}, surface: cut-particles,
       formulation: total-lagrangian}
   b: {material: soft, region: {box: {min: [3.0, 1.0], max: [5.0, 3.0]}},
       formulation: total-lagrangian}
@@ -71,7 +71,9 @@ grid: {size: [8.0, 2.0], cell: [0.5, 0.5]}
 method: {shape: gimp, particles-per-cell: [2, 2]}
 time: {end: 0.1, step: 0.001}
 materials: {soft: {model: neo-hookean, young: 100.0, poisson: 0.3, density: 1.0}}
-bodies: {body: {material: soft, region: {box: {min: [0.0, 0.0], max: [8.0, 2.0]}}}}
+bodies:
+  body: {material: soft, surface: whole-particles,
+         region: {box: {min: [0.0, 0.0], max: [8.0, 2.0]}}}
 boundaries: {x-min: periodic, x-max: periodic, y-min: periodic, y-max: periodic}
 exact: {plane-wave: {polarization: y, amplitude: 0.01, wavenumber: 2, velocity: [0.5, 0.2]}}
 """

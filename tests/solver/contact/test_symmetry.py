@@ -29,7 +29,7 @@ def pressed(dimension, part, floor="unilateral"):
             "material": "soft",
             "region": ball,
             "velocity": [0.0] * cut + [-0.5],
-            "surface": "whole",
+            "surface": "whole-particles",
         },
         "plate": {"material": "soft", "region": plate},
     }

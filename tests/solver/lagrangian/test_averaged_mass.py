@@ -154,7 +154,7 @@ def test_a_cylinder_breathes():
 
 @pytest.mark.parametrize(
     ("courant", "steps", "surface"),
-    [wide(0.3, 16_000, "cut"), (0.6, 4_000, "cut"), (0.55, 4_000, "exact")],
+    [wide(0.3, 16_000, "cut-particles"), (0.6, 4_000, "cut-particles"), (0.55, 4_000, "exact")],
 )
 def test_a_turning_block_bends(courant, steps, surface):
     """Energy and spin by the averaged mass last; momentum to rounding."""

@@ -76,7 +76,7 @@ def line(**parts):
 def whole(case):
     """The case with whole particles, whose weights are those of boxes."""
     for body in case["bodies"].values():
-        body["surface"] = "whole"
+        body["surface"] = "whole-particles"
     return case
 
 

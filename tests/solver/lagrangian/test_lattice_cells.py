@@ -84,7 +84,7 @@ def whole(case):
     """The case with bodies of whole particles, which fill parts of cells."""
     case = deepcopy(case)
     for body in case["bodies"].values():
-        body["surface"] = "whole"
+        body["surface"] = "whole-particles"
     return case
 
 

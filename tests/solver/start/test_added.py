@@ -213,4 +213,4 @@ def test_a_probe_follows_what_is_there_from_the_start():
 
 def test_a_body_that_comes_later_must_have_particles():
     with pytest.raises(CaseError, match=r"bodies\.comes\.region: contains no particle"):
-        start(bars(COMES, comes=box([8.0], [8.2]) | {"surface": "whole"}))
+        start(bars(COMES, comes=box([8.0], [8.2]) | {"surface": "whole-particles"}))

@@ -34,7 +34,7 @@ def half_space(point, normal):
     return {"half-space": {"point": point, "normal": normal}}
 
 
-def body(entry, surface="cut", velocity=None):
+def body(entry, surface="cut-particles", velocity=None):
     body = {"material": "soft", "region": entry, "surface": surface}
     return body if velocity is None else body | {"velocity": velocity}
 

@@ -23,7 +23,7 @@ def test_a_resized_case_is_the_same_case():
     assert fine.time.steps > 100_000
     assert fine.materials == case.materials and fine.boundaries == case.boundaries
     # Where coarse cells leave a body nothing, or there is no room, another scene stands in.
-    small = box([1.0, 1.0], [1.5, 1.5]) | {"surface": "whole"}
+    small = box([1.0, 1.0], [1.5, 1.5]) | {"surface": "whole-particles"}
     case = Case.model_validate(
         flying() | {"bodies": {"a": box([1.0, 1.0], [11.0, 5.0]), "b": small}}
     )
@@ -36,7 +36,7 @@ def test_samples_of_a_case_of_very_many_steps(bodies):
     """1e11 of them are no reason to refuse it, neither resized nor as a plain block."""
     case = flying() | {"time": {"end": 1e10, "step": {"courant": 0.3}}}
     if bodies:
-        case["bodies"] = {"a": bodies["a"] | {"surface": "whole"}}
+        case["bodies"] = {"a": bodies["a"] | {"surface": "whole-particles"}}
     (sample,) = samples_of(Case.model_validate(case), 72, [10], 1e11)
     assert 1e10 <= sample.sim.case.time.end < 1e12 and not sample.sim.finished
 

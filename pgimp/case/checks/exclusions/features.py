@@ -101,11 +101,11 @@ initial_not_uniform = of_bodies(
 )
 exact_surface = of_bodies("`surface: exact`", "surface", lambda body, _: body.surface == "exact")
 whole_beside_current = Feature(
-    "bodies in the initial configuration with `surface: whole` beside the current one",
+    "bodies in the initial configuration with `surface: whole-particles` beside the current one",
     lambda bodies: (
         Place(("bodies", name, "surface"), name, name)
         for name in some_initial(bodies)
-        if bodies[name].surface == "whole" and len(some_initial(bodies)) < len(bodies)
+        if bodies[name].surface == "whole-particles" and len(some_initial(bodies)) < len(bodies)
     ),
 )
 in_current = of_bodies(

@@ -109,9 +109,9 @@ SCENES = (
     # Bodies exact to their surface.
     Exclusion(f.exact_surface, f.whole_beside_current,
         "is for all bodies in the initial configuration, if others are in the current one, but "
-        "'{b.name}' is whole:", "take surface: cut for both"),
+        "'{b.name}' is whole:", "take surface: cut-particles for both"),
     *(
-        Exclusion(f.exact_surface, feature, f"{why}:", "take surface: cut")
+        Exclusion(f.exact_surface, feature, f"{why}:", "take surface: cut-particles")
         for feature, why in (
             (f.beyond_cells, "is for particles that are points or boxes in cells, not {b.name}"),
             (f.points, "needs a surface, and '{b.name}', of particles from a file, has none"),

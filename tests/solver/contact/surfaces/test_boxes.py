@@ -46,7 +46,7 @@ def meeting(bodies, cells, end, pairs, **more):
     ("kind", "shift"),
     [
         ("file", (0.13, 0.17)), wide("file", (0.0, 0.0)), wide("file", (0.13, 0.17, 0.21)),
-        ("whole", (0.0, 0.0)),
+        ("whole-particles", (0.0, 0.0)),
     ],
 )  # fmt: skip
 def test_plates_press_a_block_of_boxes_evenly(tmp_path, kind, shift):
@@ -57,7 +57,8 @@ def test_plates_press_a_block_of_boxes_evenly(tmp_path, kind, shift):
     region = box(low, high)
     if kind == "file":
         region = from_file(tmp_path / "block.csv", lattice(low, high), 0.5**D)
-    bodies = {"block": initial(region, surface="whole" if kind == "whole" else "cut")}
+    surface = "cut-particles" if kind == "file" else kind
+    bodies = {"block": initial(region, surface=surface)}
     for name, way in (("low", -1.0), ("high", 1.0)):
         speed, rest = [0.0] * D, [0.0] * D
         speed[1] = -1.5 * way * STRAIN / (0.4 * END)
@@ -83,7 +84,7 @@ def test_disks_of_boxes_rebound_in_any_frame(tmp_path):
         speed, end = 20.0 * V, 5.0
         disk = {"ball": {"centre": [7.13, 7.21], "radius": R}}
         bodies = {
-            "a": initial(disk, surface="whole", velocity=[speed + 0.3, 0.0]),
+            "a": initial(disk, surface="whole-particles", velocity=[speed + 0.3, 0.0]),
             "b": initial(from_file(tmp_path / "b.csv", x, 0.25), velocity=[speed - 0.3, 0.0]),
         }
         size = [int(26 + speed * end), 15]

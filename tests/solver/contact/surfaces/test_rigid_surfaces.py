@@ -25,7 +25,7 @@ def history(case):
     return sim, {name: np.array([line[name] for line in lines]) for name in lines[0]}
 
 
-@pytest.mark.parametrize("body", [EXACT, EXACT | {"surface": "whole"}])
+@pytest.mark.parametrize("body", [EXACT, EXACT | {"surface": "whole-particles"}])
 @pytest.mark.parametrize(
     ("velocity", "friction"),
     [([0.0, -1.0], 0.0), ([2.0, 0.0], 0.4),

@@ -171,7 +171,7 @@ def cut():
         "ball": {"ball": {"centre": [2.03, 2.61, 2.57], "radius": 1.43}},
         "pin": {"cylinder": pin},
     }
-    body = {"surface": "cut", "velocity": motion}
+    body = {"surface": "cut-particles", "velocity": motion}
     bodies = {
         name: body | {"material": material, "region": regions[name]}
         for name, material in (("ball", "soft"), ("pin", "stiff"))

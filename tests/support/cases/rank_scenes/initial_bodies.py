@@ -236,7 +236,7 @@ def initial_contact():
         "glued": box([12.0, 2.0], [13.0, 3.5]),
         "falls": box([17.0, 4.0], [19.5, 6.0], [0.0, -3.0], "stiff"),
     }
-    more = {"formulation": "total-lagrangian", "surface": "whole"}
+    more = {"formulation": "total-lagrangian", "surface": "whole-particles"}
     bodies = {name: body | more for name, body in bodies.items()}
     rotation = {"about": [18.0, 1.5], "rate": -4.0}
     bodies["drum"] = {"rigid": {"rotation": rotation},
@@ -279,7 +279,7 @@ def exact_contact():
     for name, (low, high) in places.items():
         bodies[name]["region"] = {"box": {"min": low, "max": high}}
     for name in ("flies", "lies", "slides", "glued"):
-        bodies[name]["surface"] = "cut"
+        bodies[name]["surface"] = "cut-particles"
     friction = {"bodies": "all", "friction": 0.3}
     case["time"]["stages"] = [{"name": "loose", "end": 1.4, "contact": [friction]}]
     return case
@@ -376,7 +376,7 @@ def surface_boxes():
     bodies = {
         "rolls": {"material": "stiff", "region": disk, "velocity": [-5.0, -6.0]}
         | more
-        | {"surface": "whole"},
+        | {"surface": "whole-particles"},
         "slides": {"material": "soft", "region": {"points": {"file": file}},
                    "velocity": [4.0, -3.0]} | more,
         "floor": {"rigid": {}, "region": {"box": {"min": [-2.0, 0.1], "max": [20.0, 2.1]}}},
