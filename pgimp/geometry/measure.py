@@ -95,7 +95,11 @@ def measure(
         centre = 0.5 * (low[part] + high[part])
         rows, a, b = pieces(region, low[part], high[part])
         thin = None if across is None else across[part][rows]
-        _add(total[part], rows, _piece(region, a, b, centre[rows], width, thin))
+        found = _piece(region, a, b, centre[rows], width, thin)
+        if np.array_equal(rows, np.arange(len(centre))):
+            total[part] = found
+        else:
+            _add(total[part], rows, found)
     return total[:, 0], total[:, 1:]
 
 
