@@ -132,10 +132,17 @@ MASS: tuple[Rule, ...] = (
     Rule(
         "mass",
         "averaged",
-        "an elastic body in the initial configuration, in a scene where nothing meets or settles",
-        lambda it: it[1] and it[0].kind == "elastic" and not (it[2].meets or it[2].settles),
-        "nothing meets, and waves are then at their speed",
-        "a wave of ten cells is four times as accurate, in steps 0.85 times as long",
+        "an elastic body in the initial configuration, in a scene where nothing settles, and in 2D "
+        "and 3D nothing meets",
+        lambda it: (
+            it[1]
+            and it[0].kind == "elastic"
+            and not it[2].settles
+            and (it[2].dimensions == 1 or not it[2].meets)
+        ),
+        "waves are then at their speed",
+        "a wave of ten cells is four times as accurate, in steps 0.85 times as long; two bars of "
+        "20 cells part at 0.974 of the speed at which they meet, not 0.964",
         "waves.md",
     ),
 )

@@ -4,7 +4,7 @@ from math import log, pi, sqrt
 
 import numpy as np
 from studies.auto import scenes
-from studies.auto.problem import Problem
+from studies.auto.problem import METHODS, Problem
 
 
 def _late(run, column, part=0.2):
@@ -135,35 +135,92 @@ def _hertz_line(run):
     return abs(2.0 * force / (pi * plane) * (2.0 * log(0.4 / wide) - 1.0) / 3.6e-3 - 1.0)
 
 
-_SOLID = ("former default", "affine", "initial", "initial, mean")
-_FLOWS = ("former default", "affine", "finite-gimp, affine")
-_PLASTIC = ("former default", "affine, mean", "initial, mean")
+def _heap(run):
+    """Run-out over the width, 1.2 of the height over it (G. Lube et al., 2005)."""
+    frame = run.frame(-1)
+    x, area, half = frame["position"][:, 0], 0.05**2 / 4.0, 0.25 * 0.05
+    places = np.arange(0.05, x.max() + 0.1, 0.005)
+    low, high = places[:, None] - 0.05, places[:, None] + 0.05
+    wide = np.clip(np.minimum(high, x + half) - np.maximum(low, x - half), 0.0, None).sum(axis=1)
+    front = places[np.argmax(wide * area / (2.0 * half * 0.1) < 0.05)]
+    return abs((front - 1.0) / 1.2 - 1.0)
+
+
+def _safety(text):
+    """Error of the factor of safety, half a step below the one with which the slope slides."""
+    factor = 0.01 * float(text.partition("'f")[2].partition("'")[0]) - 0.01
+    return abs(factor / 1.38 - 1.0)
+
+
+SOLID = (
+    "gimp",
+    "gimp, affine",
+    "gimp, affine, mean",
+    "finite-gimp, affine",
+    "cpdi, affine",
+    "bspline-quadratic, affine",
+    "initial",
+    "initial, averaged",
+    "initial, mean",
+    "initial, 3 a cell",
+    "initial, bspline-quadratic",
+)
+DEAR = ("gimp", "gimp, affine", "gimp, affine, mean", "initial", "initial, mean")
+CURRENT = tuple(name for name in METHODS if not name.startswith("initial"))
+FLOWS = (
+    "gimp",
+    "gimp, affine",
+    "finite-gimp, affine",
+    "cpdi, affine",
+    "bspline-quadratic, affine",
+    "gimp, affine, 3 a cell",
+)
+PLASTIC = (
+    "gimp",
+    "gimp, affine",
+    "gimp, mean",
+    "gimp, affine, mean",
+    "finite-gimp, affine, mean",
+    "initial, mean",
+)
+
+#: Factors of strength, of which the slope slides with one of the last.
+_FACTORS = range(130, 152, 2)
 
 MORE = {
-    "elastica": Problem("", "deflection", scenes.BENT, _elastica, _SOLID),
-    "torsion": Problem("", "torque", scenes.TWISTED, _torsion, _SOLID),
+    "elastica": Problem("", "deflection", scenes.BENT, _elastica, DEAR),
+    "torsion": Problem("", "torque", scenes.TWISTED, _torsion),
     "frequency of a beam": Problem(
         "", "frequency", scenes.SWINGING,
-        lambda run: frequency(run, "momentum-y", scenes.BEAM), _SOLID,
+        lambda run: frequency(run, "momentum-y", scenes.BEAM), DEAR,
     ),
-    "Kirsch": Problem("tunnel", "ways of the wall", {"grid.cell": [0.5, 0.5]}, _kirsch, _SOLID),
-    "Brazilian disk": Problem("", "stresses", scenes.CRUSHED, _brazilian, _SOLID),
-    "thick sphere": Problem("", "displacement", scenes.SPHERE, _sphere, _SOLID),
+    "Kirsch": Problem("tunnel", "ways of the wall", {"grid.cell": [0.5, 0.5]}, _kirsch, SOLID),
+    "Brazilian disk": Problem("", "stresses", scenes.CRUSHED, _brazilian, DEAR),
+    "thick sphere": Problem("", "displacement", scenes.SPHERE, _sphere),
     "sloshing": Problem(
         "", "frequency", scenes.SLOSHES,
-        lambda run: frequency(run, "momentum-x", scenes.SLOSHING), _FLOWS,
+        lambda run: frequency(run, "momentum-x", scenes.SLOSHING), FLOWS,
     ),
-    "float": Problem("", "draught", scenes.FLOATS, _float, _FLOWS),
-    "passive wall": Problem("", "force (Rankine)", scenes.PUSHED, _wall, _PLASTIC),
-    "Poiseuille": Problem("poiseuille", "velocity", {}, _poiseuille, _FLOWS),
-    "Bagnold": Problem("bagnold", "velocity", {"time.end": 2.0}, _bagnold, ("affine",)),
+    "float": Problem("", "draught", scenes.FLOATS, _float, ("gimp", "gimp, affine")),
+    "passive wall": Problem("", "force (Rankine)", scenes.PUSHED, _wall, PLASTIC),
+    "Poiseuille": Problem("poiseuille", "velocity", {}, _poiseuille, CURRENT),
+    "Bagnold": Problem("bagnold", "velocity", {"time.end": 2.0}, _bagnold, ("gimp", *FLOWS[1:])),
     "cavity": Problem("cavity", "pressure (Hill)", {"grid.cell": [0.5, 0.5],
-                      "grid.size": [32.0, 0.5]}, _cavity, _PLASTIC),
-    "thick tube": Problem("thick-tube", "pressure (Hill)", {}, _thick_tube, ("affine, mean",)),
+                      "grid.size": [32.0, 0.5]}, _cavity, PLASTIC),
+    "thick tube": Problem("thick-tube", "pressure (Hill)", {}, _thick_tube, PLASTIC),
     "graded ground": Problem(
-        "graded", "settlement", {"grid.cell": [1.0], "accuracy": None}, _graded, _SOLID[:3]
+        "graded", "settlement", {"grid.cell": [1.0], "accuracy": None}, _graded
     ),
     "line contact (Hertz)": Problem(
-        "hertz-line", "approach", {"grid.cell": [4.8e-3] * 2}, _hertz_line, _SOLID[:3]
+        "hertz-line", "approach", {"grid.cell": [4.8e-3] * 2}, _hertz_line, SOLID
+    ),
+    "heap": Problem("", "run-out (Lube)", scenes.HEAP, _heap, CURRENT),
+    "slope stability": Problem(
+        "safety", "factor of safety",
+        {"grid.cell": [1.25] * 2, "output": None, "time.stages": [
+            {"name": f"f{factor}", "strength-reduction": {"factor": 0.01 * factor},
+             "equilibrate": {"tolerance": 1.0e-4, "steps": 1000}} for factor in _FACTORS
+        ]},
+        lambda run: 1.0, CURRENT, _safety,
     ),
 }  # fmt: skip

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from studies.auto.more import MORE
+from studies.auto.more import CURRENT, DEAR, FLOWS, MORE, PLASTIC, SOLID
 from studies.auto.problem import Problem
 
 
@@ -226,30 +226,35 @@ PROBLEMS = {
         _error("error.displacement-l2"),
     ),
     "a square turns": Problem("hard/spinning", "spin", {"time.end": 251.3274122871834}, _spin),
-    "Dzhanibekov": Problem("", "spin and energy", TURNING, _dzhanibekov),
-    "bounce": Problem("block3d", "energy", {"grid.cell": [0.1] * 3, "time.end": 0.8}, _energy),
+    "Dzhanibekov": Problem("", "spin and energy", TURNING, _dzhanibekov, DEAR),
+    "bounce": Problem(
+        "block3d", "energy", {"grid.cell": [0.1] * 3, "time.end": 0.8}, _energy, DEAR
+    ),
     "cradle": Problem("", "speed passed on", BARS, _bars),
-    "disks": Problem("disks", "energy", {}, _cradle),
-    "slope": Problem("incline", "acceleration", {}, _incline),
-    "rolling": Problem("rolling", "speed", {"grid.cell": [0.05, 0.05]}, _rolling),
-    "upsetting": Problem("upsetting", "force (Hertz)", {"grid.cell": [0.05, 0.05]}, _upsetting),
-    "cantilever of 0.499": Problem("hard/bending", "deflection", {"time.end": 112.0}, _beam),
+    "disks": Problem("disks", "energy", {}, _cradle, SOLID),
+    "slope": Problem("incline", "acceleration", {}, _incline, SOLID),
+    "rolling": Problem("rolling", "speed", {"grid.cell": [0.05, 0.05]}, _rolling, SOLID),
+    "upsetting": Problem(
+        "upsetting", "force (Hertz)", {"grid.cell": [0.05, 0.05]}, _upsetting, DEAR
+    ),
+    "cantilever of 0.499": Problem("hard/bending", "deflection", {"time.end": 112.0}, _beam, DEAR),
     "stretch to 3": Problem("hard/stretch", "evenness of F", {"time.end": 6.0}, _stretch),
     "tube (Lame)": Problem("tube", "displacement", {}, _tube),
     "Taylor's bar": Problem("taylor-axisymmetric", "length, radius", {}, _taylor),
     "plates": Problem("plate-impact", "stresses", {}, _plates),
-    "footing": Problem("footing", "bearing capacity", {}, _footing),
+    "footing": Problem("footing", "bearing capacity", {}, _footing, PLASTIC),
     "sand column": Problem(
-        "sand-column", "height", {"time.end": 0.75, "grid.cell": [0.04, 0.04]}, _sand
+        "sand-column", "height", {"time.end": 0.75, "grid.cell": [0.04, 0.04]}, _sand, CURRENT
     ),
-    "still water": Problem("dam-break", "pressure", STILL, _still),
+    "still water": Problem("dam-break", "pressure", STILL, _still, CURRENT),
     "dam break": Problem(
         "dam-break",
         "time of the front",
         {"grid.size": [3.2, 2.4], "grid.cell": [0.04, 0.04], "time.end": 0.8},
         _dam,
+        CURRENT,
     ),
     "Sod's tube": Problem("sod", "plateaus", {"grid.cell": [0.005]}, _sod),
-    "plate on water": Problem("blast", "velocity", {}, _blast),
+    "plate on water": Problem("blast", "velocity", {}, _blast, FLOWS),
     **MORE,
 }

@@ -1,5 +1,6 @@
 """Scenes of problems with known answers that no case of cases/ has, without a method."""
 
+from studies.flow.sand import LOOSE, ROUGH
 from studies.method.timoshenko import slowest
 
 #: Load of the elastica, P L^2/(E I) = 2, on the end of a beam of 8 x 0.5.
@@ -127,4 +128,10 @@ PUSHED = _scene(
     },
     0.02, title="Passive wall", boundaries={"y-min": "slip", "x-max": "slip"},
     gravity={"table": [[0.0, [0.0, 0.0]], [0.3, [0.0, -1.0]]]},
+)  # fmt: skip
+#: Half a column of dry sand, as high as half its width, that collapses on a rough floor.
+HEAP = _scene(
+    [3.8, 1.2], 0.05, 6.0 * 9.81**-0.5, LOOSE | {"young": 1.0e6},
+    {"column": _body(box([0.0, 0.0], [1.0, 1.0]))}, 0.1, title="Heap",
+    boundaries={"x-min": "slip", "x-max": "slip", "y-min": ROUGH}, gravity=[0.0, -9.81],
 )  # fmt: skip

@@ -53,6 +53,8 @@ def test_an_elastic_body_is_in_the_initial_configuration():
     walled = pgimp.load(bare(2, block(), boundaries={"y-min": "unilateral"}))
     assert walled.bodies["body"].mass is None and walled.courant == 0.3
     assert pgimp.load(bare(1, box([2.0], [5.0]))).method.particles_per_cell == (1,)
+    thrown = pgimp.load(bare(1, box([2.0], [5.0]), boundaries={"x-min": "unilateral"}))
+    assert thrown.bodies["body"].mass == "averaged" and thrown.courant == 0.3  # waves in bars
 
 
 @pytest.mark.parametrize("material", [WATER, CLAY])

@@ -52,8 +52,8 @@ def find_kept(kept, n, end):
 
 
 @inner_kernel
-def kept_acceleration(kept, end):
-    """Acceleration apart that contact gave the ends of a pair in the last step, 0 without any."""
+def kept_of(kept, end):
+    """Number of the kept force of a pair, -1 without one."""
     low, high = 0, len(kept)
     while low < high:
         middle = (low + high) // 2
@@ -62,7 +62,7 @@ def kept_acceleration(kept, end):
         else:
             high = middle
     _, m = find_kept(kept, low, end)
-    return kept[m].acceleration if m >= 0 else 0.0
+    return m
 
 
 @inner_kernel

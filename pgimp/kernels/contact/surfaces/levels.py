@@ -44,6 +44,10 @@ NEAR, SOON, TOUCHES = 0.25, 4.0, 1e-3
 #: Least cosine between normals on one side of a body.
 _ONE_SIDE = 0.7
 
+#: Difference of a normal's components beyond which one is greater: at 45 degrees all facets of a
+#: face are on one side, and a pair remains the same from step to step.
+_ROUNDING = 1e-6
+
 
 @inner_kernel
 def end_of_patch(surface, every, first):
@@ -87,7 +91,7 @@ def _side_of(surface, f):
         return 0
     axis = 0
     for d in range(1, 3):
-        if abs(surface.normal[f, d]) > abs(surface.normal[f, axis]):
+        if abs(surface.normal[f, d]) > abs(surface.normal[f, axis]) + _ROUNDING:
             axis = d
     return 2 * axis + (1 if surface.normal[f, axis] > 0.0 else 0)
 

@@ -155,8 +155,13 @@ def rigid_position(rigid_bodies, surface, f):
     """Position of a facet of a rigid body, a triple."""
     if not is_record(rigid_bodies):
         return 0.0, 0.0, 0.0
-    row = rigid_bodies.motion[surface.body[f] - rigid_bodies.bodies]
-    R, x, c = row.rotation, surface.x[f], row.centre
+    return placed(rigid_bodies.motion[surface.body[f] - rigid_bodies.bodies], surface.x[f])
+
+
+@inner_kernel
+def placed(row, x):
+    """Position of a point of a rigid body, given its motion and initial coordinates; a triple."""
+    R, c = row.rotation, row.centre
     r = (x[0] - row.reference[0], x[1] - row.reference[1], x[2] - row.reference[2])
     return (
         c[0] + R[0, 0] * r[0] + R[0, 1] * r[1] + R[0, 2] * r[2],

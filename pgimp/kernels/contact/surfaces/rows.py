@@ -20,13 +20,13 @@ the mean of both velocities, which is what contact does to the energy, is never 
 
 from math import sqrt
 
-from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
+from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.jit.vectors.lanes import sum_of
 from pgimp.jit.vectors.rows import load_row, store_row
 from pgimp.kernels.contact.data import clear_pair
 from pgimp.kernels.contact.impulses.coupling import release_across, set_answer, velocity_before
 from pgimp.kernels.contact.impulses.pairs import SIDES
-from pgimp.kernels.contact.impulses.warm_start import kept_acceleration
+from pgimp.kernels.contact.impulses.warm_start import kept_of
 from pgimp.kernels.contact.surfaces.levels import (
     AREA,
     FACET,
@@ -43,7 +43,13 @@ from pgimp.kernels.contact.surfaces.levels import (
 )
 from pgimp.kernels.contact.surfaces.pressed import pressed_area
 from pgimp.kernels.contact.surfaces.spread import spread_weights
-from pgimp.kernels.rigid.bodies import arm_of
+from pgimp.kernels.contact.surfaces.stiff import (
+    are_stiff,
+    foresee,
+    free_acceleration,
+    lean,
+    rigid_velocity,
+)
 from pgimp.physics.contact.base import TIED
 
 #: Cells by which overlapping surfaces part in a step, at most, if they did not approach; others
@@ -159,10 +165,16 @@ def _set_pair(contact, surface, group, side, law, size, pair):
     end.bodies[0], end.bodies[1] = (b, a) if swapped else (a, b)
     end.vertex[0], end.vertex[1] = surface.patch[every[deepest].facet], b
     end.vertex[2] = SIDES + side
-    width = max(FADES * cell, FOLLOWS * dt * dt * kept_acceleration(kept, end))
+    m, stiff = kept_of(kept, end), not tied and are_stiff(contact, surface, every[deepest])
+    width = max(FADES * cell, FOLLOWS * dt * dt * kept[m].acceleration if m >= 0 else 0.0)
+    if stiff:
+        least, width = foresee(contact, surface, group, cell, dt)
+        if m >= 0:
+            pushed = free_acceleration(contact.rigid_bodies, end, kept[m].force)
+            width = max(width, FOLLOWS * dt * dt * pushed)
     above = NEAR * cell if tied else level(own, count, all_of_it, least, width)
-    whole, gap, sign = 0.0, above - width, 1.0 if swapped else -1.0
-    if width > FADES * cell and not tied:
+    whole, gap, sign = 0.0, 0.0 if stiff else above - width, 1.0 if swapped else -1.0
+    if width > FADES * cell and not (tied or stiff):
         gap = level(own, count, all_of_it, least, FADES * cell) - FADES * cell
     for k in range(3):
         for d in range(3):
@@ -180,6 +192,8 @@ def _set_pair(contact, surface, group, side, law, size, pair):
         for d in range(3):
             row.normal[d] += sign * w * one.normal[d]
             rigid[2, d] += w * surface.now[s, d]
+        if stiff:
+            gap += w * one.gap - lean(surface, one, s, depth, w, rigid[2])
     square = row.normal[0] ** 2 + row.normal[1] ** 2 + row.normal[2] ** 2
     if not square > 0.0:
         return False
@@ -187,6 +201,8 @@ def _set_pair(contact, surface, group, side, law, size, pair):
     for d in range(3):
         row.normal[d] *= inverse
         rigid[2, d] /= whole
+    if stiff:
+        gap /= whole
     # Facets beyond these are of material in the current configuration: it does not part.
     parts = every[deepest].other >= len(surface.patch)
     row.gap_rate = (max(gap, 0.0) if parts else gap) / dt
@@ -198,27 +214,6 @@ def _set_pair(contact, surface, group, side, law, size, pair):
     pressed = pressed_area(surface, own, numbers, count, least, cell)
     row.area = max(row.area, pressed, glued)
     return True
-
-
-@inlined
-def _rigid_velocity(rigid_bodies, s, place, before):
-    """Velocity of a rigid end before the step or after it. Walls are at rest.
-
-    `s` is as in `load_rigid`.
-    """
-    if not is_record(rigid_bodies):
-        return 0.0, 0.0, 0.0
-    t = -1 - s - rigid_bodies.bodies
-    if t >= len(rigid_bodies.motion):
-        return 0.0, 0.0, 0.0
-    motion = rigid_bodies.motion[t]
-    v = motion.velocity_before if before else motion.velocity_after
-    r = arm_of(rigid_bodies, t, (place[0], place[1], place[2]))
-    return (
-        v[0] + v[4] * r[2] - v[5] * r[1],
-        v[1] + v[5] * r[0] - v[3] * r[2],
-        v[2] + v[3] * r[1] - v[4] * r[0],
-    )
 
 
 @kernel
@@ -283,7 +278,7 @@ def find_patch_pairs(
                 f = s if is_own else every[gathered[2]].other
                 if f < 0 or surface.cell[f] < 0:
                     end.rows[a] = -1 - body
-                    v = _rigid_velocity(contact.rigid_bodies, -1 - body, rigid[2], False)
+                    v = rigid_velocity(contact.rigid_bodies, -1 - body, rigid[2], False)
                     rigid[a, 0], rigid[a, 1], rigid[a, 2] = v
                     continue
                 end.rows[a] = rows
@@ -297,7 +292,7 @@ def find_patch_pairs(
             end.parted = 0.0
             for a in range(2 if used <= len(coupling.column) else 0):
                 if end.rows[a] < 0:
-                    v = _rigid_velocity(contact.rigid_bodies, end.rows[a], rigid[2], True)
+                    v = rigid_velocity(contact.rigid_bodies, end.rows[a], rigid[2], True)
                 else:
                     v = velocity_before(coupling, end.rows[a], values)
                 for d in range(3):

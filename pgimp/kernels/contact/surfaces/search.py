@@ -128,26 +128,16 @@ def bound_clusters(frame, numbers, records, motion, clusters, ends):
 
 
 @kernel
-def greatest_way(frame, records, motion, before, dt):
-    """Most cells along a direction from where vertices were to where they are after a time.
+def greatest_way(frame, records, motion, dt):
+    """Most cells along a direction that vertices move in a time, by their velocities.
 
-    Parameters
-    ----------
-    records, motion
-        As of `bound_clusters`.
-    before : (v, 3) float64
-        Displacements to begin from; those of now if there are none.
-    dt : float
-        The time.
+    `records` and `motion` are as of `bound_clusters`, `dt` is the time.
     """
     most = 0.0
     for v in range(len(records)):
         r = records[v] * RECORD
         for d in range(len(frame.cell) if r >= 0 else 0):
-            way = dt * abs(motion.values[r + KEPT_VELOCITY + d])
-            if len(before) > 0:
-                way += abs(motion.values[r + DISPLACEMENT + d] - before[v, d])
-            most = max(most, way * frame.inverse[d])
+            most = max(most, abs(motion.values[r + KEPT_VELOCITY + d]) * (dt * frame.inverse[d]))
     return most
 
 

@@ -30,7 +30,7 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.impulses.messages import greatest, swap
 from pgimp.solver.contact.material.region import NearRegion
-from pgimp.solver.contact.surfaces.proximity import NOWHERE, TRAVEL, Proximity
+from pgimp.solver.contact.surfaces.proximity import TRAVEL, Proximity
 from pgimp.solver.contact.surfaces.shares import Near, select
 from pgimp.solver.contact.surfaces.table import Table, bits_of, records_of
 from pgimp.solver.rank_state import RankState
@@ -94,7 +94,7 @@ class NearMaterial(Proximity):
         self.locate(rank, table)
         p, order = rank.population.up_to_date(), rank.population.order
         fastest = float(self.call(greatest_speed, self.scene.domain.frame, p, order)) * dt
-        travel = greatest(self.comm, max(fastest, self.way(rank, NOWHERE, dt), rate * dt))
+        travel = greatest(self.comm, max(fastest, self.way(rank, dt), rate * dt))
         self._moved += travel
         if self.near is not None and self._moved <= TRAVEL:
             return

@@ -33,6 +33,9 @@ class Meeting(NamedTuple):
     """Clusters of facets that may meet."""
 
     pairs: np.ndarray  #: (n, 2) int64: Pairs of clusters.
+    #: watched, left: (k, 2) int64, (k,) float64: See `least_left`; with pairs that are farther.
+    watched: np.ndarray
+    left: np.ndarray
     #: low, high: (clusters, D) float64: Boxes of all.
     low: np.ndarray
     high: np.ndarray
@@ -56,7 +59,7 @@ def boxes_of(
         numbers[:, :D] += table.turns * frame.cells
         clusters = table.owner, np.arange(len(numbers))
     call(bound_clusters, frame, numbers, records, motion, clusters, ends)
-    ends = _least(comm, ends)
+    ends = least(comm, ends)
     hard = np.flatnonzero((table.body >= soft) & (table.body < soft + len(rigid and rigid.motion)))
     if len(hard):
         some, first = table.facets(hard), table.first[hard + 1] - table.first[hard]
@@ -70,11 +73,17 @@ def boxes_of(
 
 def find_meeting_clusters(
     call: Bound, scene: Scene, walls: SeparatingWalls, table: Table, acts: np.ndarray,
-    boxes: tuple[np.ndarray, np.ndarray], reach: np.ndarray,
+    boxes: tuple[np.ndarray, np.ndarray], far: float, ways: tuple[float, float],
 ) -> Meeting:  # fmt: skip
-    """Find the clusters that may meet others, or walls, within distances by direction."""
+    """Find the clusters that may meet others, or walls: come nearer than a distance `far`.
+
+    `ways` are the cells by which both move at most until the next search, and more cells for those
+    that are watched.
+    """
     frame, periods, (low, high) = scene.domain.frame, scene.domain.periods, boxes
     cell, order = np.array(frame.cell), np.argsort(low[:, 0], kind="stable")
+    reach, most = (far + 2.0 * way * cell for way in (ways[0], sum(ways)))
+    watched, left = [np.empty((0, 2), np.int64)], [np.empty(0)]
     if periods.any():
         pairs = close_images(low, high, frame.origin, periods, reach).T
         pairs = pairs[(acts | acts.T)[table.body[pairs[:, 0]], table.body[pairs[:, 1]]] != 0]
@@ -82,9 +91,13 @@ def find_meeting_clusters(
         pairs, found = grown(
             8 * len(low) + 16,
             lambda size: np.empty((size, 2), np.int64),
-            lambda room: call(find_close, order, low, high, reach, table.body, acts, room),
+            lambda room: call(find_close, order, low, high, most, table.body, acts, room),
         )
-        pairs = pairs[:found]
+        watched.append(pairs[:found])
+        a, b = watched[-1].T
+        gap = np.maximum(low[a] - high[b], low[b] - high[a])
+        left.append(((gap - far) / cell).max(axis=1))
+        pairs = watched[-1][(gap <= reach).all(axis=1)]
     alone = np.flatnonzero(acts[table.body, table.body])
     on_walls, n = {}, len(scene.body_names)
     free = [*scene.interaction.rigid_bodies.free]
@@ -92,11 +105,18 @@ def find_meeting_clusters(
     for w, (axis, side, place, *_) in enumerate(walls.planes.tolist()):
         at = frame.origin[axis] + (place - frame.ghost) * cell[axis]
         end = (high if side > 0 else low)[moving, axis]
-        near = moving[side * (at - end) < reach[axis]]
-        on_walls[walls.first + w] = table.facets(near)
-    pairs = np.concatenate([pairs, np.column_stack([alone, alone])])
+        away = side * (at - end)
+        near = away < most[axis]
+        watched.append(np.column_stack([moving[near], np.full(int(near.sum()), -1 - axis)]))
+        left.append((away[near] - far) / cell[axis])
+        on_walls[walls.first + w] = table.facets(moving[away < reach[axis]])
+    watched.append(np.column_stack([alone, alone]))
+    pairs, left = np.concatenate([pairs, watched[-1]]), [*left, np.zeros(len(alone))]
     facets = table.facets(marked(len(low), [pairs.reshape(-1)]))
-    return Meeting(pairs, low, high, facets, on_walls)
+    return Meeting(
+        pairs, np.concatenate(watched), np.maximum(np.concatenate(left), 2.0 * ways[0]), low, high,
+        facets, on_walls,
+    )  # fmt: skip
 
 
 def runs_of(
@@ -165,7 +185,8 @@ def find_candidates(
         there, which = with_images(surface, own, frame.origin, periods, most)
         some = np.arange(len(which))
     else:
-        clusters, boxes = (table.first, table.members), meeting[:3]
+        clusters = table.first, table.members
+        boxes = meeting.pairs, meeting.low, meeting.high
         call(mark_between, surface, clusters, boxes, most, marks)
         some = np.flatnonzero(marks)
         marks[:] = 0
@@ -201,7 +222,7 @@ def candidates_of(surface: Surface, found: np.ndarray) -> np.ndarray:
     return every
 
 
-def _least(comm: Communicator, values: np.ndarray) -> np.ndarray:
+def least(comm: Communicator, values: np.ndarray) -> np.ndarray:
     """The least values of all ranks; collective."""
     if comm.size == 1:
         return values

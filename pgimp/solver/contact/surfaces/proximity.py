@@ -15,9 +15,11 @@ from pgimp.kernels.contact.surfaces.data import KNOWN, Patches, no_facets
 from pgimp.kernels.contact.surfaces.gaps import FARTHEST
 from pgimp.kernels.contact.surfaces.motion import move_facets
 from pgimp.kernels.contact.surfaces.search import greatest_way
+from pgimp.kernels.contact.surfaces.shifts import find_shifts, least_left
 from pgimp.kernels.contact.surfaces.spread import kept_of, scratch_of
 from pgimp.kernels.data.motion import DISPLACEMENT
 from pgimp.kernels.data.record import RECORD
+from pgimp.kernels.rigid.bodies import MOTION
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.impulses.messages import greatest
@@ -26,6 +28,7 @@ from pgimp.solver.contact.surfaces.candidates import (
     candidates_of,
     find_candidates,
     find_meeting_clusters,
+    least,
 )
 from pgimp.solver.contact.surfaces.groups import Groups, find_groups
 from pgimp.solver.contact.surfaces.shares import Share, marked, share_of
@@ -39,18 +42,19 @@ TRAVEL = 0.25
 #: Cells by which it may move at least, and else the way in so many steps.
 _LEAST, _AHEAD = 0.02, 32.0
 
-#: Displacements at no search.
-NOWHERE = np.empty((0, 3))
+#: Cells over these by which those are farther from each other that are not watched.
+_WATCHED = 6.0
 
 #: Pieces of facets that are kept within a step, for each candidate, and more for a wide one.
 PIECES, _MORE_PIECES = 3, 4
 
 U = slice(DISPLACEMENT, DISPLACEMENT + 3)
 
-#: What a checkpoint has: two numbers, the lengths of these parts, and displacements at the last
-#: search, facets near others, those that move, facets, bodies and next facets of candidates, and
-#: what is known of their patches.
-_NUMBERS, _PARTS = 2, 5
+#: What a checkpoint has: three numbers, the lengths of these parts, and displacements at the last
+#: search, facets near others, those that move, facets, bodies and next facets of candidates, what
+#: is known of their patches, clusters that are watched, by how much they might move, and the motion
+#: of rigid bodies then.
+_NUMBERS, _PARTS = 3, 8
 
 
 class Proximity:
@@ -98,11 +102,14 @@ class Proximity:
         adheres = pairs.adhesion[:, 2].max(initial=0.0) if pairs else 0.0
         self.alone = False
         self.far = max(FARTHEST * cell.min(), adheres)
-        self._travel = TRAVEL
+        self._travel, self._left = TRAVEL, 0.0
         self.reach = float(self._reach().max())
         self.met = np.empty((0, 2), np.int64)
         self._moved = 0.0
-        self._records = np.empty(0, np.int64)
+        self._records, self._shared = np.empty((2, 0), np.int64)  # with the next rank's first plane
+        # Of the last search: clusters that are watched, and motion of rigid bodies.
+        self._watched = np.empty((0, 2), np.int64), np.empty(0)
+        self._poses: Any = ()
         self.patches = Patches(
             np.zeros(1, np.int64), np.empty(0, np.int64), np.empty(0, np.uint8), np.empty(0),
             np.empty((0, KNOWN)),
@@ -144,8 +151,13 @@ class Proximity:
         if self.comm.rank != self.root:
             return np.empty(0)
         of = np.stack([every["facet"], every["body"], every["other"]], axis=1)
-        parts = self._before.ravel(), self.facets, self._moving, of.ravel(), known.ravel()
-        numbers = [self._moved, self._travel]
+        pairs, left = self._watched
+        poses = np.array(self._poses).view(np.float64) if len(self._poses) else np.empty(0)
+        parts = (
+            self._before.ravel(), self.facets, self._moving, of.ravel(), known.ravel(),
+            pairs.ravel(), left, poses,
+        )  # fmt: skip
+        numbers = [self._moved, self._travel, self._left]
         return np.concatenate([numbers, list(map(len, parts)), *parts])
 
     def restore(self, state: np.ndarray) -> None:
@@ -159,10 +171,13 @@ class Proximity:
         sizes = state[_NUMBERS:head].astype(np.int64)
         if sizes[0] != 3 * len(table.keys) or len(state) != head + sizes.sum():
             return
-        before, facets, moving, found, known = np.split(state[head:], np.cumsum(sizes[:-1]))
+        parts = np.split(state[head:], np.cumsum(sizes[:-1]))
+        before, facets, moving, found, known, pairs, left, poses = parts
         self.facets, self._moving = facets.astype(np.int64), moving.astype(np.int64)
-        self._moved, self._travel = state[:_NUMBERS].tolist()
+        self._moved, self._travel, self._left = state[:_NUMBERS].tolist()
         self._before = before.reshape(-1, 3)
+        self._watched = pairs.astype(np.int64).reshape(-1, 2), left.copy()
+        self._poses = poses.copy().view(MOTION) if len(poses) else ()
         every = candidates_of(table.every, found.astype(np.int64).reshape(-1, 3))
         self._found = every, known.reshape(-1, KNOWN), *np.empty((2, 0), np.int64)
         self.candidates, self.patches = every[:0], Patches.of(table.every, every[:0])
@@ -172,6 +187,7 @@ class Proximity:
         """Find the records of vertices, the root, and the rank's share as it was; collective."""
         self._window = rank.grid.window
         self._records = records_of(rank, table.numbers)
+        self._shared = records_of(rank, table.numbers, 1)
         if self.facets is not None:
             self._find_root(rank)
             self._divide(table, *self._everyone())
@@ -232,18 +248,25 @@ class Proximity:
             self._locate(rank, table)
             divided = self.facets is not None
         # Each step looks: what is at rest may be pushed, and steps may become longer.
+        travel = greatest(self.comm, max(self.way(rank, dt), rate * dt))
+        self._moved += travel
         if self.facets is not None:
-            way = max(self.way(rank, self._before, dt), self._moved + rate * dt)
-            if greatest(self.comm, way) <= self._travel:
-                self._moved += rate * dt
+            if 2.0 * self._moved > self._left:
+                self._left, self._moved = self._find_left(rank, table, rigid), travel
+            if 2.0 * self._moved <= self._left:
                 return divided
-        self._before, self._moved = self.all_displacements(rank, table, self._records), rate * dt
-        travel = greatest(self.comm, max(self.way(rank, NOWHERE, dt), rate * dt))
+        self._before, self._moved = self.all_displacements(rank, table, self._records), travel
+        self._poses = rigid.motion.copy() if rigid else ()
         self._travel = float(np.clip(_AHEAD * travel, _LEAST, TRAVEL))
+        self._left = 2.0 * self._travel
         self._find_root(rank)
         boxes, reach = self.boxes(rank, table, rigid), self._reach()
         call, scene, walls = self.call, self.scene, self.walls
-        meeting = find_meeting_clusters(call, scene, walls, table, acts, boxes, reach)
+        ways = self._travel, self._unwatched - self._travel
+        meeting = find_meeting_clusters(call, scene, walls, table, acts, boxes, self.far, ways)
+        self._watched = meeting.watched, meeting.left
+        if needed(0):
+            self._find_left(rank, table, rigid)
         near = marked(len(table.surface.x), [meeting.facets, *meeting.on_walls.values()])
         found, self.facets, self._moving = np.empty((0, 3), np.int64), near, near[:0]
         if needed(len(near)):
@@ -277,11 +300,31 @@ class Proximity:
         )  # fmt: skip
         return patches.first(awake), self._chosen[:moves]
 
-    def way(self, rank: RankState, before: np.ndarray, dt: float) -> float:
+    @property
+    def _unwatched(self) -> float:
+        """Cells by which bodies may move before some may meet that are not watched."""
+        return self._travel * (1.0 if self.scene.domain.periods.any() else 1.0 + _WATCHED)
+
+    def _find_left(self, rank: RankState, table: Table, rigid: Any) -> float:
+        """Cells by which bodies may move relative to each other until the next search; collective.
+
+        It may be below 0.
+        """
+        scene, clusters = self.scene, (table.first, table.members)
+        if scene.domain.periods.any():  # a cell may have vertices at both ends
+            now = self.all_displacements(rank, table, self._records)
+        else:
+            now, own = np.full(self._before.shape, np.nan), np.flatnonzero(self._shared >= 0)
+            now[own] = rank.grid.kept.values.reshape(-1, RECORD)[self._shared[own], U]
+        ends = np.full((2, len(table.body), scene.dimension), np.inf)
+        of = table.surface, table.cells, clusters, now - self._before, (rigid, self._poses)
+        self.call(find_shifts, scene.domain.frame, *of, ends)
+        ends = least(self.comm, ends)
+        return float(self.call(least_left, *self._watched, 2.0 * self._unwatched, ends))
+
+    def way(self, rank: RankState, dt: float) -> float:
         """See `greatest_way`; of the rank's vertices of surfaces."""
-        return float(
-            self.call(greatest_way, rank.grid.frame, self._records, rank.grid.kept, before, dt)
-        )
+        return float(self.call(greatest_way, rank.grid.frame, self._records, rank.grid.kept, dt))
 
     def has(self, bodies: np.ndarray) -> np.ndarray:
         """Mask of the pairs of bodies, (n, 2), in the rank's groups; on the root those in none."""

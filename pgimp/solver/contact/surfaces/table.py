@@ -292,11 +292,11 @@ def _have_mass(rank: RankState, keys: np.ndarray) -> np.ndarray:
     return united(rank.comm, found).astype(bool)
 
 
-def records_of(rank: RankState, numbers: np.ndarray) -> np.ndarray:
-    """Numbers of vertices' records, -1 where the rank does not own them."""
+def records_of(rank: RankState, numbers: np.ndarray, more: int = 0) -> np.ndarray:
+    """Numbers of vertices' records, -1 where the rank does not own them, or `more` planes above."""
     grid = rank.grid
     (i, j, k), field = (numbers[:, :3] - grid.window.lower).T, numbers[:, 3]
-    there = (i >= 0) & (i < grid.owned)
+    there = (i >= 0) & (i < min(grid.owned + more, grid.planes))
     for each, most in zip((j, k), grid.window.extent[1:], strict=True):
         there &= (each >= 0) & (each < most)
     stride = [s // RECORD for s in grid.window.stride]

@@ -7,6 +7,7 @@ from scenes import box, field, scene, start
 from pgimp.kernels.contact.surfaces.data import Patches
 from pgimp.kernels.contact.surfaces.gaps import find_gaps
 from pgimp.kernels.contact.surfaces.motion import move_facets
+from pgimp.solver.contact.surfaces.proximity import TRAVEL
 
 pytestmark = pytest.mark.slow(20)
 
@@ -140,3 +141,44 @@ def test_a_body_that_a_stage_removes_holds_nothing():
     assert begun["contact.all.normal-impulse"] > 0.0
     np.testing.assert_allclose(fell - begun["body.rests.momentum-y"], -0.3 * weight, rtol=1e-9)
     assert line["contact.all.normal-impulse"] == begun["contact.all.normal-impulse"]
+
+
+def flying():
+    """Two disks that fly side by side and meet, and one that they overtake; and a rigid wheel."""
+    bodies = {
+        name: box([0, 0], [1, 1], v) | EXACT | {"region": {"ball": {"centre": x, "radius": 1.1}}}
+        for name, x, v in (
+            ("one", [3.1, 3.0], [1.0, 0.05]), ("other", [3.4, 5.6], [1.0, -0.05]),
+            ("third", [7.4, 4.4], [0.6, 0.0]),
+        )
+    }  # fmt: skip
+    wheel = {"rotation": {"about": [3.2, 9.1], "rate": -0.1}, "velocity": [0.9, 0.0]}
+    bodies["wheel"] = {"rigid": wheel, "region": {"ball": {"centre": [3.2, 9.1], "radius": 2.1}}}
+    return start(
+        scene(2, bodies, cells=[22, 12], step={"courant": 0.3}, end=6.0,
+              contact=[{"bodies": "all", "friction": 0.3}])
+    )  # fmt: skip
+
+
+def test_what_flies_together_is_not_searched_for():
+    """All facets that are near each other are known in each step, of few searches."""
+    sim = flying()
+    contact = sim.rank.contact
+    proximity, last, searches, near = contact.proximity, None, 0, 0
+    while not sim.finished:
+        sim.advance()
+        searches, last = searches + (proximity.facets is not last), proximity.facets
+        table, every = contact.known(sim.rank), proximity.candidates
+        surface = table.surface._replace(now=table.surface.now.copy())
+        u = np.pad(proximity.all_displacements(sim.rank, table), ((0, 0), (0, 1)))
+        frame, some = sim.scene.domain.frame, np.arange(len(surface.x))
+        move_facets(frame, contact.rigid_bodies, surface, table.cells, u, some, proximity.scratch)
+        x, n, body = surface.now, surface.turned, surface.body
+        away = np.linalg.norm(x[:, None] - x[None], axis=2)
+        meets = (away < 0.45) & (n @ n.T < -0.5) & (contact.acts[body][:, body] != 0)
+        known = set(zip(every["facet"].tolist(), every["body"].tolist(), strict=True))
+        s, f = np.nonzero(meets)
+        assert known.issuperset(zip(s.tolist(), body[f].tolist(), strict=True))
+        near += len(s)
+    assert near > 1000
+    assert searches < 0.5 * 6.0 / TRAVEL  # of 6 cells of flight

@@ -1,0 +1,91 @@
+"""How far surfaces have moved relative to each other since facets near others were searched for."""
+
+from math import inf
+
+from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
+from pgimp.kernels.contact.surfaces.motion import placed
+
+
+@inlined
+def _rigid_shift(rigid_bodies, poses, surface, f):
+    """Shift of a facet of a rigid body, a triple."""
+    if not is_record(rigid_bodies):
+        return 0.0, 0.0, 0.0
+    n = surface.body[f] - rigid_bodies.bodies
+    now = placed(rigid_bodies.motion[n], surface.x[f])
+    before = placed(poses[n], surface.x[f])
+    return now[0] - before[0], now[1] - before[1], now[2] - before[2]
+
+
+@inner_kernel
+def _shift(surface, cells, moved, f):
+    """Shift of a facet by those of its cell's vertices, a triple."""
+    x, y, z = 0.0, 0.0, 0.0
+    for corner in range(surface.means.shape[1]):
+        v, w = cells.corners[surface.cell[f], corner], surface.means[f, corner]
+        x, y, z = x + w * moved[v, 0], y + w * moved[v, 1], z + w * moved[v, 2]
+    return x, y, z
+
+
+@kernel
+def find_shifts(frame, surface, cells, clusters, moved, rigid, ends):
+    """Set the least shifts of the facets of clusters, and the least reversed ones, in cells.
+
+    Parameters
+    ----------
+    clusters : ((m + 1,) int64, (n,) int64)
+        First entry of each cluster, and the facets of each.
+    moved : (v, 3) float64
+        Shifts of the surface vertices, nan where the rank does not know them.
+    rigid : (RigidBodies, (n,) MOTION) or ((), ())
+        The rigid bodies, and their motion when shifts were zero.
+    ends : (2, m, D) float64
+        inf before; facets are left out whose shifts the rank does not know.
+    """
+    (first, members), (rigid_bodies, poses) = clusters, rigid
+    for c in range(len(first) - 1):
+        for n in range(first[c], first[c + 1]):
+            f = members[n]
+            if surface.cell[f] >= 0:
+                x = _shift(surface, cells, moved, f)
+            else:
+                x = _rigid_shift(rigid_bodies, poses, surface, f)
+            if x[0] == x[0]:
+                for d in range(len(frame.cell)):
+                    way = x[d] * frame.inverse[d]
+                    ends[0, c, d] = min(ends[0, c, d], way)
+                    ends[1, c, d] = min(ends[1, c, d], -way)
+
+
+@kernel
+def least_left(pairs, left, most, ends) -> float:
+    """Cells by which clusters may still move relative to each other before facets may meet anew.
+
+    Parameters
+    ----------
+    pairs : (k, 2) int64
+        Clusters near each other; -1 - d in place of the second is a wall across direction d.
+    left : (k,) float64
+        Cells by which these might move when shifts were zero.
+    most : float
+        The same of all other pairs.
+    ends : (2, clusters, D) float64
+        See `find_shifts`.
+    """
+    least, (_, count, D) = most, ends.shape
+    for c in range(count):
+        for d in range(D):
+            least = min(least, most + 2.0 * min(ends[0, c, d], ends[1, c, d]))
+            if ends[0, c, d] == inf:  # nobody knows
+                return -inf
+    for k in range(len(pairs)):
+        a, b = pairs[k, 0], pairs[k, 1]
+        for d in range(D):
+            low, high = 0.0, 0.0
+            if b >= 0:
+                low, high = ends[0, b, d], -ends[1, b, d]
+            elif d != -1 - b:
+                continue
+            way = max(-ends[1, a, d] - low, high - ends[0, a, d])
+            least = min(least, left[k] - way)
+    return least
