@@ -1,6 +1,5 @@
 """Measures what no method keys give beside named methods, and writes a table; see scripts/auto."""
 
-import json
 import os
 import signal
 import tempfile
@@ -27,11 +26,11 @@ def written(problem: Problem) -> dict:
 
 
 def bare(data: dict) -> dict:
-    """The case without a key of the method; contact stays where it has friction."""
+    """The case without a key of the method; contact stays where it has friction or is bonded."""
     data = {key: value for key, value in data.items() if key != "method"}
     data["time"] = {key: value for key, value in data["time"].items() if key != "step"}
-    if not any(set(entry) - {"bodies"} for entry in data.get("contact", ())):
-        data.pop("contact", None)
+    if data.get("contact") and not any(set(entry) - {"bodies"} for entry in data["contact"]):
+        del data["contact"]
     keys = ("formulation", "mass", "volumetric")
     data["bodies"] = {
         name: {key: value for key, value in body.items() if key not in keys}
@@ -61,26 +60,34 @@ def measured(problem: Problem, data: dict, limit: float) -> tuple[float | None, 
     changes = problem.changes if problem.case else {}
     # What the case's own step or frames need does not matter here.
     changes = {key: value for key, value in changes.items() if not key.startswith("time.step")}
+    running.perf_counter = clock = Clock()
     signal.setitimer(signal.ITIMER_PROF, limit + 60.0)  # kernels compile besides
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "run"
         try:
             run = pgimp.run(data, output=path, overrides=changes, quiet=True)
-            return float(problem.error(run)), _seconds(path), ""
+            return float(problem.error(run)), clock.last - clock.first, ""
         except TimeoutError:
             return None, limit, f"longer than {limit:.0f} s"
         except (PgimpError, ValueError, IndexError) as error:
-            if problem.stopped and (path / "run.json").exists():
-                return problem.stopped(str(error)), _seconds(path), ""
+            if problem.stopped and clock.last:
+                return problem.stopped(str(error)), clock.last - clock.first, ""
             return None, 0.0, f"{error}".splitlines()[0][:300]
         finally:
             signal.setitimer(signal.ITIMER_PROF, 0.0)
 
 
-def _seconds(path: Path) -> float:
-    """Seconds of the steps, and of output, by the clock of the study."""
-    found = json.loads((path / "run.json").read_text(encoding="utf-8"))["starts"][-1]
-    return found.get("total_seconds") or found["seconds"]
+class Clock:
+    """Time of the processor, so that other programs matter less, as the run asks for it."""
+
+    first: float | None = None
+    last: float | None = None
+
+    def __call__(self) -> float:
+        """Return the time; the first one is that of the run's first step."""
+        self.last = time.process_time()
+        self.first = self.last if self.first is None else self.first
+        return self.last
 
 
 def _too_long(*_):
@@ -96,7 +103,6 @@ def main():
     )  # fmt: skip
     kept = Kept(out("auto") / "auto.json")
     os.chdir(CASES)
-    running.perf_counter = time.process_time  # other programs on the machine then matter less
     signal.signal(signal.SIGPROF, _too_long)
     for name, problem in PROBLEMS.items():
         if options.redraw or (options.only and name not in options.only):
@@ -120,7 +126,7 @@ def _ways(name: str, problem: Problem) -> dict[str, dict]:
     """The cases to compare, by their names."""
     whole = written(problem)
     data = bare(whole)
-    contact = whole.get("contact") or ([{"bodies": "all"}] if len(whole["bodies"]) > 1 else [])
+    contact = whole.get("contact", [{"bodies": "all"}] if len(whole["bodies"]) > 1 else [])
     contact = contact if name != "Sod's tube" else []
     ways = {"auto": data}
     for way in problem.methods:

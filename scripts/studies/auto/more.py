@@ -1,5 +1,6 @@
 """Further problems with known answers, the errors of their runs."""
 
+import re
 from math import log, pi, sqrt
 
 import numpy as np
@@ -148,8 +149,8 @@ def _heap(run):
 
 def _safety(text):
     """Error of the factor of safety, half a step below the one with which the slope slides."""
-    factor = 0.01 * float(text.partition("'f")[2].partition("'")[0]) - 0.01
-    return abs(factor / 1.38 - 1.0)
+    slid = re.search(r"'f(\d+)'", text)
+    return abs(0.01 * (int(slid[1]) - 1) / 1.38 - 1.0) if slid else 1.0
 
 
 SOLID = (
@@ -217,10 +218,10 @@ MORE = {
     "heap": Problem("", "run-out (Lube)", scenes.HEAP, _heap, CURRENT),
     "slope stability": Problem(
         "safety", "factor of safety",
-        {"grid.cell": [1.25] * 2, "output": None, "time.stages": [
+        {"grid.cell": [1.25] * 2, "time.stages": [
             {"name": f"f{factor}", "strength-reduction": {"factor": 0.01 * factor},
              "equilibrate": {"tolerance": 1.0e-4, "steps": 1000}} for factor in _FACTORS
         ]},
-        lambda run: 1.0, CURRENT, _safety,
+        lambda run: 0.01 * _FACTORS[-1] / 1.38 - 1.0, CURRENT, _safety,
     ),
 }  # fmt: skip
