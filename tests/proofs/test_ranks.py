@@ -61,6 +61,8 @@ GO_ON = {
         "surface_beside",
         "surface_boxes",
         "surface_stages",
+        "surface_blocks",
+        "surface_folded",
         "surface_rings",
         "surface_round",
         "mixed_rings",

@@ -6,6 +6,7 @@ drawn for each scene.
 
 import math
 
+from proofs.meeting import pressed
 from proofs.scenes.bodies import number
 
 SOFT = {"model": "neo-hookean", "young": 100.0, "poisson": 0.3, "density": 1.0}
@@ -19,8 +20,8 @@ LOOSE = {
         "model": "drucker-prager", "cohesion": 0.0, "friction-angle": 30.0, "dilation-angle": 0.0,
     },
 }  # fmt: skip
-#: Boundaries of each kind, and what its case has besides.
-KINDS = {
+#: Boundaries of each kind of bodies that fly, and what its case has besides.
+FLY = {
     "free": ({}, {}),
     "floor": (FLOOR, {}),
     "rings": (FLOOR, {"geometry": "axisymmetric"}),
@@ -35,11 +36,15 @@ KINDS = {
         {"z-min": "unilateral", "y-min": "periodic", "y-max": "periodic"}, {"dimensions": 3},
     ),
 }  # fmt: skip
+KINDS = (*FLY, *pressed.KINDS)
 
 
 def make(rng, kind):
     """A case of a kind."""
-    boundaries, more = KINDS[kind]
+    materials = {"soft": SOFT, "stiff": SOFT | {"young": 400.0, "density": 4.0}}
+    if kind in pressed.KINDS:
+        return pressed.make(rng, kind, materials)
+    boundaries, more = FLY[kind]
     D = more.get("dimensions", 2)
     cells = [rng.randint(13, 20), rng.randint(10, 14)] if D == 2 else [rng.randint(11, 14), 7, 7]
     sides = [1.0] * D if rng.random() < 0.5 else [number(rng, 0.8, 1.25) for _ in range(D)]
@@ -70,12 +75,12 @@ def make(rng, kind):
                 body["velocity"] = {"rotation": turn, "translation": body["velocity"]}
         body.pop("at", None)
     step = {"courant": number(rng, 0.15, 0.35)}
-    end = number(rng, 0.3, 0.8) * min(size) / SPEED
+    end = number(rng, 0.5, 1.2) * min(size) / SPEED
     case = {
         "format": 1, "dimensions": D, "grid": {"origin": origin, "size": size, "cell": sides},
         "method": {"shape": "gimp", "particles-per-cell": [rng.choice((2, 2, 3)) for _ in sides]},
         "time": {"end": end, "step": step},
-        "materials": {"soft": SOFT, "stiff": SOFT | {"young": 400.0, "density": 4.0}},
+        "materials": materials,
         "bodies": bodies, "boundaries": boundaries, "contact": _laws(rng, bodies, more),
         "output": {"every": number(rng, 0.2, 0.6) * end, "fields": ["velocity", "stress"]},
         "history": {"every": {"steps": rng.randint(1, 9)}},
@@ -109,7 +114,12 @@ def _bodies(rng, D, origin, size, boundaries, rings):
         at = []
         for d in range(D):
             margin = 0.0 if joined[d] and d == 0 else radius + 0.05
-            at.append(number(rng, origin[d] + margin, origin[d] + size[d] - margin))
+            ends = origin[d] + margin, origin[d] + size[d] - margin
+            if taken:  # within reach of one that is there
+                other, its = taken[-1]
+                far = 0.75 * (radius + its) + 0.6
+                ends = max(ends[0], other[d] - far), min(ends[1], other[d] + far)
+            at.append(number(rng, *ends))
         cut = halved and rng.random() < 0.5
         if cut:
             at[0] = origin[0]

@@ -51,6 +51,7 @@ class Surface(NamedTuple):
     area: FloatArray  #: (n,) float64.
     radius: FloatArray  #: (n,) float64: Radii of discs of these sizes, half-lengths in 2D.
     patch: IntArray  #: (n,) int64.
+    whole: FloatArray  #: (n,) float64: Area of the patch.
     body: IntArray  #: (n,) int64: Bodies; rigid ones come after the others.
     cell: IntArray  #: (n,) int64: Numbers in `SurfaceCells`; -1 on rigid bodies.
     place: FloatArray  #: (n, 3) float64: Places in the cells, in cells from their first vertices.

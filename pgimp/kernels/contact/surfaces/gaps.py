@@ -14,7 +14,7 @@ from pgimp.kernels.contact.surfaces.awake import set_place
 from pgimp.kernels.contact.surfaces.data import CLEAR, turns
 from pgimp.kernels.contact.surfaces.levels import law_of
 from pgimp.kernels.contact.surfaces.motion import cofactors, gradient, set_polynomial, turned_normal
-from pgimp.kernels.contact.surfaces.nearest import ALIKE, FACES, STEEP, approach
+from pgimp.kernels.contact.surfaces.nearest import ALIKE, FACES, STEEP, approach, pairs_with
 from pgimp.kernels.contact.surfaces.pressed import facing_part
 from pgimp.kernels.contact.surfaces.spread import (
     add_offset,
@@ -141,7 +141,7 @@ def _find_gap(frame, rigid_bodies, surface, moved, scratch, near, used):
             m, alike = surface.beside[k], 0.0
             for d in range(D):
                 alike += surface.normal[m, d] * surface.normal[f, d]
-            if alike > ALIKE:
+            if alike > ALIKE and pairs_with(surface, s, m, frame.cell[0]):
                 away = _beyond(D, frame, cells, surface, c, near, m)
                 if away < least_beside:
                     least_beside, near.other = away, m

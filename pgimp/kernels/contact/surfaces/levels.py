@@ -144,11 +144,10 @@ def gather(surface, group, side, own, numbers):
     tuple of int, float, int
         How many there are, the area of the whole patch, and the candidate with the least gap.
     """
-    (every, first, last), found, whole, deepest = group, 0, 0.0, -1
+    (every, first, last), found, deepest = group, 0, -1
     for n in range(first, last):
         near = every[n]
         area, near.weight = surface.area[near.facet], 0.0
-        whole += area
         if near.side == side:
             if deepest < 0 or near.gap < every[deepest].gap:
                 deepest = n
@@ -158,7 +157,7 @@ def gather(surface, group, side, own, numbers):
             found += 1
     for m in range(found, found + -found % 4):
         own[GAP, m], own[AREA, m], own[FACING, m] = inf, 0.0, 0.0
-    return found, whole, deepest
+    return found, surface.whole[every[first].facet], deepest
 
 
 @inner_kernel

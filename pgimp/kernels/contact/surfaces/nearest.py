@@ -15,7 +15,7 @@ MEETS, OPPOSED, ASKEW = 0.3, -0.5, 4.0
 FACES, STEEP = -0.03, -0.8
 
 #: Cosine from which on facets have no gap before a plane, and by which others may be off in it.
-ACROSS, _TURNS = FACES + 0.02, 0.02
+ACROSS, TURNS = FACES + 0.02, 0.02
 
 #: Cells by which facets of one body are apart in the initial state if they may meet.
 APART = 2.0
@@ -67,13 +67,19 @@ def apart(surface, s, f, cell):
 
 
 @inner_kernel
+def pairs_with(surface, s, f, cell):
+    """Whether facet `s` may look for `f`: of another body, or `apart` in its own."""
+    return surface.body[s] != surface.body[f] or apart(surface, s, f, cell)
+
+
+@inner_kernel
 def square_between(D, surface, s, cell, f, most):
     """Square of the distance of facet `s` from facet `f`, with the `reluctance` of both.
 
     It is inf where it is seen to be above `most` before roots are taken.
     """
     x, facing = surface.now[s], surface.turned[s]
-    if surface.body[s] == surface.body[f] and not apart(surface, s, f, cell):
+    if not pairs_with(surface, s, f, cell):
         return inf
     along, whole, same = 0.0, 0.0, 0.0
     for d in range(3):
@@ -101,7 +107,7 @@ def next_facet(D, surface, s, cell, f):
         for k in range(surface.start[f], surface.start[f + 1]):
             other = surface.beside[k]
             square = square_between(D, surface, s, cell, other, least)
-            if square < least or (square == least and other < best):
+            if square < least or (square == least < inf and other < best):
                 least, best = square, other
         if best == f:
             return f
@@ -151,10 +157,10 @@ def approach(D, surface, near, cell, walks, farthest):
     square = along * along + _ALONG * beside + over * over
     clear = min(max(gap, sqrt(square) - farthest), CLEAR * cell)
     second = near.body < surface.body[s]
-    if surface.tip[f] & PLANE and (same > ACROSS or (second and same < STEEP - _TURNS)):
+    if surface.tip[f] & PLANE and (same > ACROSS or (second and same < STEEP - TURNS)):
         return inf, clear
     if square > farthest * farthest:
         return inf, clear
-    if surface.body[s] == surface.body[f] and not apart(surface, s, f, cell):
+    if not pairs_with(surface, s, f, cell):
         return inf, clear
     return gap, clear

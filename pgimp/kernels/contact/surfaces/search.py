@@ -257,8 +257,9 @@ def find_meeting(surface, acts, some, runs, reach, marks, best, every):
     runs : tuple
         Runs of them that are near each other, see
         `pgimp.solver.contact.surfaces.candidates.runs_of`.
-    reach : (float, float, int, int)
-        Greatest distance, and the side of a cell; the first and the end of the runs that look for
+    reach : (float, float, float, int, int)
+        Greatest distance, and the side of a cell; by how much more than `TURNS` cosines between
+        normals may change until the next search; the first and the end of the runs that look for
         others.
     marks : (facets,) uint8
         Set to 1 for these facets within reach of others, and those there.
@@ -273,7 +274,7 @@ def find_meeting(surface, acts, some, runs, reach, marks, best, every):
         How many there are.
     """
     found, start, close, (least, nearest, met) = 0, runs[0], runs[4], best
-    for p in range(reach[2], reach[3]):
+    for p in range(reach[3], reach[4]):
         count = _find_runs(acts, runs, p, reach[0])
         for n in range(start[p], start[p + 1] if count > 0 else start[p]):
             s, bodies = some[n], 0
@@ -288,9 +289,9 @@ def find_meeting(surface, acts, some, runs, reach, marks, best, every):
                         same += surface.turned[s, d] * surface.turned[f, d]
                     marks[f] = marks[s] = 1
                     square, b = square + reluctance(same, reach[1]), surface.body[f]
-                    if same < STEEP and acts[surface.body[s], b] == 0:
+                    if same < STEEP - reach[2] and acts[surface.body[s], b] == 0:
                         continue
-                    if not square < inf or (same > ACROSS and surface.tip[f] & PLANE):
+                    if not square < inf or (same > ACROSS + reach[2] and surface.tip[f] & PLANE):
                         continue
                     if least[b] == inf:
                         met[bodies] = b

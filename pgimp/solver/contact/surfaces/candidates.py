@@ -10,7 +10,7 @@ from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.impulses.pairs import SeparatingWalls
 from pgimp.kernels.contact.surfaces.data import Surface, no_facets
-from pgimp.kernels.contact.surfaces.nearest import ACROSS
+from pgimp.kernels.contact.surfaces.nearest import ACROSS, TURNS
 from pgimp.kernels.contact.surfaces.search import (
     bound_clusters,
     find_close,
@@ -27,6 +27,10 @@ from pgimp.solver.rank_state import RankState
 
 #: Cells by which clusters' boxes reach beyond their vertices.
 _BEYOND = 0.2
+
+#: By how much normals of bodies two cells across turn while their ends move by a cell, in opposite
+#: ways.
+_TURNS = 1.0
 
 
 class Meeting(NamedTuple):
@@ -146,23 +150,31 @@ def runs_of(
 
 
 def find_facets(
-    call: Bound, surface: Surface, acts: np.ndarray, some: np.ndarray, cell: float, reach: float,
-    part: tuple[int, int], marks: np.ndarray,
+    call: Bound, surface: Surface, acts: np.ndarray, some: np.ndarray, cell: float,
+    reach: tuple[float, float], part: tuple[int, int], marks: np.ndarray,
 ) -> np.ndarray:  # fmt: skip
     """Find which of some facets may soon meet another body, see `find_meeting`, (n, 3) int64.
 
-    `part` are a number and the number of parts of equal size of which it is: of the facets that
-    look for others.
+    `reach` are a distance, and by how much cosines may change, see `find_meeting`. `part` are a
+    number and the number of parts of equal size of which it is: of the facets that look for others.
     """
     count, D = len(acts), surface.means.shape[1].bit_length() - 1
     best = np.full(count, np.inf), np.empty(count, np.int64), np.empty(count, np.int64)
-    runs = runs_of(surface, some, reach, cell, D)
+    runs = runs_of(surface, some, reach[0], cell, D)
     begin, end = (len(runs[1]) * n // part[1] for n in (part[0], part[0] + 1))
     every, found = grown(
         2 * len(some) // part[1] + 16,
         lambda size: np.empty((size, 3), np.int64),
         lambda room: call(
-            find_meeting, surface, acts, some, runs, (reach, cell, begin, end), marks, best, room
+            find_meeting,
+            surface,
+            acts,
+            some,
+            runs,
+            (reach[0], cell, reach[1], begin, end),
+            marks,
+            best,
+            room,
         ),
     )
     return every[:found]
@@ -170,15 +182,16 @@ def find_facets(
 
 def find_candidates(
     call: Bound, scene: Scene, walls: SeparatingWalls, table: Table, acts: np.ndarray,
-    meeting: Meeting, reach: np.ndarray, part: tuple[int, int],
+    meeting: Meeting, reach: np.ndarray, travel: float, part: tuple[int, int],
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Find facets near another body, and all facets near others: of a part, see `find_facets`.
 
     Returns facets, bodies and the facets next to the first, (n, 3) int64, and (m,) int64. Facets
-    are moved.
+    are moved. Until the next search vertices move by `travel` cells.
     """
     surface, frame, most = table.surface, scene.domain.frame, float(reach.max())
     periods, marks, there = scene.domain.periods, np.zeros(len(surface.x), np.uint8), surface
+    turns = max(_TURNS * travel - TURNS, 0.0)
     own = which = np.empty(0, np.int64)
     if periods.any():
         own = meeting.facets
@@ -193,7 +206,7 @@ def find_candidates(
     parts = [np.empty((0, 3), np.int64)]
     if needed(len(some)):
         found = marks if there is surface else np.zeros(len(some), np.uint8)
-        every = find_facets(call, there, acts, some, frame.cell[0], most, part, found)
+        every = find_facets(call, there, acts, some, frame.cell[0], (most, turns), part, found)
         if there is not surface:  # what images find, they find as well
             every = every[every[:, 0] < len(own)]
             every[:, ::2] = which[every[:, ::2]]
@@ -203,7 +216,8 @@ def find_candidates(
         axis, side, place, *_ = walls.planes[body - walls.first].tolist()
         at = frame.origin[axis] + (place - frame.ghost) * frame.cell[axis]
         away = side * (at - surface.now[these, axis])
-        these = these[(away < reach[axis]) & (side * surface.turned[these, axis] > -ACROSS)]
+        faces = side * surface.turned[these, axis] > -ACROSS - turns
+        these = these[(away < reach[axis]) & faces]
         marks[these] = 1
         parts.append(np.column_stack([these, np.full(len(these), body), np.full(len(these), -1)]))
     return np.concatenate(parts), np.flatnonzero(marks)

@@ -274,12 +274,15 @@ class Proximity:
             of = table.surface, table.cells, u, near, self.scratch
             call(move_facets, scene.domain.frame, rigid, *of)
             part = self.comm.rank, self.comm.size
+            travel = self._travel
             parts = self.comm.allgather(
-                find_candidates(call, scene, walls, table, acts, meeting, reach, part)
+                find_candidates(call, scene, walls, table, acts, meeting, reach, travel, part)
             )
             found = np.concatenate([each[0] for each in parts])
             self._moving = marked(len(table.surface.x), [each[1] for each in parts])
-        every = candidates_of(table.every, joined(table, candidates_of(table.surface, found)))
+        every = candidates_of(
+            table.every, joined(table, walls, candidates_of(table.surface, found))
+        )
         travel = np.inf if scene.case.output.surface else self._travel
         self._moving = moving_of(table, every, travel, self._moving)
         self._divide(table, every, Patches.of(table.every, every).known)

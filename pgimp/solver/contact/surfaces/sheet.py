@@ -108,7 +108,9 @@ class Sheets:
         acts, marks = np.ascontiguousarray(contact.acts.T), np.zeros(len(found), np.uint8)
         others = candidates_of(
             surface,
-            find_facets(call, surface, acts, moving, frame.cell[0], proximity.reach, (0, 1), marks),
+            find_facets(
+                call, surface, acts, moving, frame.cell[0], (proximity.reach, 0.0), (0, 1), marks
+            ),
         )
         for every in (parted(table, candidates)[0], others):
             both = every, Patches.of(surface, every, -1.0)

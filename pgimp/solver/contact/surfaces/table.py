@@ -105,10 +105,11 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     place = np.zeros((len(body), 3))
     place[soft, :D] = (facets.x[soft, :D] - cells.low[of, :D]) / cell
     start, beside = _beside(scene, facets.x, body, float(cell.max()) * _BESIDE[D - 1])
+    sizes = np.bincount(facets.patch, facets.area).astype(float)[facets.patch]
     surface = Surface(
         facets.x, facets.normal, facets.middle, facets.half, facets.area, facets.radius,
-        facets.patch, body, index, place, facets.edges, np.zeros(len(body), np.uint8),
-        start, beside, np.full((len(body), 3), np.inf), np.zeros((len(body), 3)),
+        facets.patch, sizes, body, index, place, facets.edges, np.zeros(len(body), np.uint8), start,
+        beside, np.full((len(body), 3), np.inf), np.zeros((len(body), 3)),
         np.zeros((len(body), 2, 3)), np.zeros((len(body), 2**D)), periods if periods.any() else (),
     )  # fmt: skip
     inside = np.zeros(len(body), bool)

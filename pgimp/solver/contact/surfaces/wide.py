@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pgimp.geometry.rows import distinct
+from pgimp.kernels.contact.impulses.pairs import SeparatingWalls
 from pgimp.kernels.contact.surfaces.nearest import FLAT
 from pgimp.solver.contact.surfaces.table import Table
 
@@ -18,7 +19,7 @@ _PARALLEL = 1.0 - 5e-5
 _RING = 0.25
 
 
-def joined(table: Table, every: np.ndarray) -> np.ndarray:
+def joined(table: Table, walls: SeparatingWalls, every: np.ndarray) -> np.ndarray:
     """Candidates, with wide facets where all parts lie on one plane; as of `candidates_of`.
 
     Normals are those of the last search: what tilts by a hundredth keeps small facets.
@@ -26,7 +27,11 @@ def joined(table: Table, every: np.ndarray) -> np.ndarray:
     surface, facet, other = table.surface, every["facet"], every["other"]
     parts = np.bincount(table.wide[table.wide >= 0] - len(table.wide), minlength=1)
     before = other >= 0
-    faces = np.abs(surface.turned[facet]).max(axis=1)  # walls are across an axis
+    wall = every["body"][~before] - walls.first
+    faces = np.empty(len(every))
+    faces[~before] = (
+        surface.turned[facet[~before], walls.planes["axis"][wall]] * walls.planes["side"][wall]
+    )
     turned = surface.turned[facet[before]] * surface.turned[other[before]]
     faces[before] = np.where(surface.tip[other[before]] & FLAT, -turned.sum(axis=1), 0.0)
     some = np.flatnonzero((table.wide[facet] >= 0) & (faces > _PARALLEL))

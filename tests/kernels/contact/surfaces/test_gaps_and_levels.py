@@ -22,7 +22,8 @@ def surface_of(x, normal, area, body, beside=None):
     start[1:] = np.cumsum([len(each) for each in beside])
     index = np.arange(n)
     return Surface(
-        x, normal, x.copy(), np.full((n, 3), 0.5), area, 0.5 * area, index, body, np.full(n, -1),
+        x, normal, x.copy(), np.full((n, 3), 0.5), area, 0.5 * area, index,
+        np.full(n, area.sum()), body, np.full(n, -1),
         np.zeros((n, 3)), np.zeros((n, 2, 3)), np.zeros(n, np.uint8), start,
         np.concatenate(beside).astype(np.int64), x.copy(), normal.copy(), np.zeros((n, 2, 3)),
         np.zeros((n, 4)), (),

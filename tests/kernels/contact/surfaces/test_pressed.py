@@ -40,7 +40,7 @@ def patch(columns, rows):
     half[:, :2] = 0.5 / columns, 0.5 / rows
     surface = Surface(
         x, normal, x.copy(), half, *np.full((2, n), 1.0 / n), np.zeros(n, np.int64),
-        np.zeros(n, np.int64), np.full(n, -1), np.zeros((n, 3)), np.zeros((n, 2, 3)),
+        np.ones(n), np.zeros(n, np.int64), np.full(n, -1), np.zeros((n, 3)), np.zeros((n, 2, 3)),
         np.zeros(n, np.uint8), np.zeros(n + 1, np.int64), np.zeros(0, np.int64), x.copy(),
         normal.copy(), np.zeros((n, 2, 3)), np.zeros((n, 8)), (),
     )  # fmt: skip

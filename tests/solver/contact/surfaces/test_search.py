@@ -7,6 +7,7 @@ from scenes import box, field, scene, start
 from pgimp.kernels.contact.surfaces.data import Patches
 from pgimp.kernels.contact.surfaces.gaps import find_gaps
 from pgimp.kernels.contact.surfaces.motion import move_facets
+from pgimp.kernels.contact.surfaces.nearest import APART
 from pgimp.solver.contact.surfaces.proximity import TRAVEL
 
 pytestmark = pytest.mark.slow(20)
@@ -61,6 +62,65 @@ def test_nothing_depends_on_when_ranks_change(meet):
     for sim in (moved, other):
         for name in ("x", "v", "sigma"):
             assert np.array_equal(field(sim, name), field(whole, name))
+
+
+def corner():
+    """A corner hits a disk beside it: a small part of its patches is near."""
+    bodies = {
+        "box": box([5.3955, 5.9785], [7.9045, 8.8615], [0.553, -3.15]) | EXACT,
+        "disk": box([0, 0], [1, 1], [-2.25, 2.28]) | EXACT
+        | {"region": {"ball": {"centre": [10.2, 3.15], "radius": 2.3364}}},
+    }  # fmt: skip
+    return start(
+        scene(2, bodies, cells=[15, 10], cell=[0.928, 1.15], per_cell=[2, 3], end=0.5,
+              step={"courant": 0.233}, contact=[{"bodies": "all", "friction": 0.3}])
+    )  # fmt: skip
+
+
+def fork(length, width, slot, courant, end):
+    """A plate bends an arm of a fork: its end turns towards the plate, then it meets the other."""
+    height = 2.0 * width + slot
+    whole = box([3.083, 0.0], [3.083 + length, height])["region"]
+    gap = box([3.083 + width, width], [12.9, width + slot])["region"]
+    plate = box([0.0, height + 0.02], [13.0, height + 1.5])["region"]
+    bodies = {
+        "fork": box([0, 0], [1, 1]) | EXACT | {"region": {"difference": [whole, gap]}},
+        "plate": {"rigid": {"velocity": [0.0, -2.0]}, "region": plate},
+    }
+    return start(
+        scene(2, bodies, cells=[13, 9], end=end, step={"courant": courant},
+              boundaries={"y-min": {"unilateral": {"friction": 0.2}}},
+              contact=[{"bodies": "all", "friction": 0.2}, {"bodies": ["fork"], "self": True}])
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("meet", "most"), [(corner, 0.0), (lambda: fork(7.77, 1.72, 2.32, 0.231, 0.6), 1e-8)]
+)
+def test_nothing_depends_on_when_the_search_is(meet, most):
+    """But for which of two facets beside a place is next to it, where a face has a kink."""
+    whole, other = meet(), meet()
+    before = field(whole, "v").copy()
+    while not whole.finished:
+        whole.advance()
+        other.rank.contact.proximity.restart()
+        other.advance()
+    assert np.abs(field(whole, "v") - before).max() > 1.0  # they have met
+    np.testing.assert_allclose(field(whole, "x"), field(other, "x"), rtol=0.0, atol=most)
+
+
+def test_of_two_patches_of_a_body_the_same_one_always_looks():
+    """A facet that slides on to what does not meet it would find nothing there from then on."""
+    sim, met = fork(6.95, 1.54, 2.31, 0.272, 1.3), 0
+    while not sim.finished:
+        sim.advance()
+        surface, every = sim.rank.contact._table.every, sim.rank.contact.proximity.candidates
+        own = every[every["body"] == surface.body[every["facet"]]]
+        met += int((own["gap"] < 0.01).sum())
+        assert (surface.patch[own["facet"]] < surface.patch[own["other"]]).all()
+        way = surface.x[own["facet"]] - surface.x[own["other"]]
+        assert (np.linalg.norm(way, axis=1) > APART).all()
+    assert met > 100
 
 
 def test_patches_that_rest_are_too_far_to_act():

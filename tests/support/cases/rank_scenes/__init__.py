@@ -44,7 +44,7 @@ from rank_scenes.initial_bodies import (
 )
 from rank_scenes.laws import VARIED, affine, flowing, metals, varied
 from rank_scenes.leaving import PROBES, line_leaves, plane_leaves, sinks
-from rank_scenes.meetings import meeting, phased, staged
+from rank_scenes.meetings import meeting, phased, staged, surface_blocks, surface_folded
 from rank_scenes.passing import passing
 from rank_scenes.periods import (
     endless,
@@ -124,6 +124,8 @@ SCENES = (
             surface_beside,
             surface_boxes,
             surface_stages,
+            surface_blocks,
+            surface_folded,
             surface_rings,
             surface_round,
             mixed_rings,
