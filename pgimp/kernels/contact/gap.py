@@ -46,7 +46,7 @@ def find_pairs(contact, frame, sides, ring_factor, count, rigid, dt):
     missing = 1.0
     for a in range(count):
         missing -= fields[a].filled
-    found = 0
+    found, rate = 0, 1.0 / dt
     for a in range(count - rigid):
         for b in range(a + 1, count):
             first, second = contact.bodies[a], contact.bodies[b]
@@ -73,11 +73,13 @@ def find_pairs(contact, frame, sides, ring_factor, count, rigid, dt):
                 if b >= count - rigid and fields[a].filled < _least_held(row):
                     continue
                 excess = max(fields[one].curvature_gap + fields[other].curvature_gap, 0.0)
-                bent = excess * _volume(frame, sides) * ring_factor / length**2
+                bent = 0.0
+                if b >= count - rigid:
+                    bent = excess * _volume(frame, sides) * ring_factor / length**2
                 gap = length * _gap(fields[one], fields[other], row, missing, bent)
-                row.gap_rate = max(gap - excess, 0.0) / dt
+                row.gap_rate = max(gap - excess, 0.0) * rate
                 normal, shear, reach = contact.pairs.adhesion[entry - 1]
-                if row.gap_rate * dt < reach:
+                if reach > 0.0 and row.gap_rate * dt < reach:
                     row.adhesion, row.shear_adhesion = normal * row.area * dt, shear * row.area * dt
             ends[found].fields[0], ends[found].fields[1], ends[found].law = one, other, entry
             found += 1
@@ -115,12 +117,15 @@ def _gap(a, b, row, missing, bent):
         second -= b.surface[d] * row.normal[d]
     row.area = max(min(first, second), 0.0)
     small, large = (a, b) if first < second else (b, a)
-    cover = 1.0
+    cover, filled = 1.0, small.filled
     if row.area > 0.0 and large.mass == inf:
         cover = row.area / max(max(first, second) - bent, row.area)
+        filled /= cover
     left = min(missing, cover * (1.0 - large.filled) - small.filled)
-    part = min(small.filled / cover, large.filled)
-    return max(left, 0.0) / (cover * sqrt(min(2.0 * part, 1.0)))
+    if not left > 0.0:
+        return 0.0
+    part = min(filled, large.filled)
+    return left / (cover * sqrt(min(2.0 * part, 1.0)))
 
 
 @inner_kernel
@@ -148,9 +153,9 @@ def _find_normal(frame, fields, a, b, sides, ring_factor, row):
         square += n * n
         along += (n * frame.inverse[d]) ** 2
         side *= frame.cell[d]
-    length = sqrt(square)
-    if not sqrt(along) > LEAST_NORMAL * side:
+    length, over = sqrt(square), sqrt(along)
+    if not over > LEAST_NORMAL * side:
         return 0.0
     for d in range(3):
         row.normal[d] /= length
-    return length / sqrt(along)
+    return length / over

@@ -123,6 +123,14 @@ def _inverse_mass(field, bilateral, d):
 
 
 @inner_kernel
+def rests_apart(pairs, entry, row):
+    """Whether a pair exchanges nothing unless its surfaces reach each other."""
+    if pairs.kind[entry] == TIED or row.adhesion + row.shear_adhesion != 0.0:
+        return False
+    return not acts_apart(pairs, entry)
+
+
+@inner_kernel
 def _stay_apart(pairs, entry, row, u, v):
     """Whether surfaces with velocities u and v that exchange nothing so far need no impulse."""
     apart, reach = row.gap_rate, row.adhesion + row.shear_adhesion
@@ -158,7 +166,7 @@ def exchange(contact, holding, number, held, pair, last):
     soft = (0.0, 0.0, 0.0)
     if held:
         soft = held_compliance(contact, contact.rigid_bodies, a, b)
-    changed = False
+    changed, inverse = False, (1.0 / first.mass, 1.0 / second.mass)
     if tied:
         for d in range(len(holding.frame.cell)):
             mobility = first.bilateral_inverse_mass[d] + second.bilateral_inverse_mass[d] + soft[d]
@@ -168,7 +176,7 @@ def exchange(contact, holding, number, held, pair, last):
             w = u[d] if first.bilateral_inverse_mass[d] == 0.0 else first.velocity[d]
             w -= v[d] if second.bilateral_inverse_mass[d] == 0.0 else second.velocity[d]
             J = (w - soft[d] * row.tangential_impulse[d]) / mobility
-            changed = _give(first, second, row, d, J) or changed
+            changed = _give(first, second, inverse, row, d, J, J) or changed
         return changed
     w = tuple(v[d] - u[d] + soft[d] * impulse_of(row, d) for d in range(3))
     normal, most, answer = 0.0, 0.0, 0.0
@@ -188,9 +196,12 @@ def exchange(contact, holding, number, held, pair, last):
             required = min(0.0, push - normal / answer)
             row.normal_impulse = max(-row.adhesion, required)
             row.adhesion_used = row.normal_impulse / required if required < 0.0 else 1.0
+    by = 1.0 / most
+    stick = tuple(
+        row.tangential_impulse[d] - (w[d] - normal * row.normal[d]) * by for d in range(3)
+    )
     for d in range(3):
-        stick = row.tangential_impulse[d] - (w[d] - normal * row.normal[d]) / most
-        square += stick * stick
+        square += stick[d] * stick[d]
     length, pressed, shear_adhesion = sqrt(square), max(row.normal_impulse, 0.0), row.shear_adhesion
     if row.normal_impulse < 0.0:
         shear_adhesion *= sqrt(1.0 - (row.normal_impulse / row.adhesion) ** 2)
@@ -199,27 +210,22 @@ def exchange(contact, holding, number, held, pair, last):
     part = sliding_part(contact.pairs, entry, shear_adhesion, pressed, stress, length, slip)
     row.sticking = part
     for d in range(3):
-        stick = row.tangential_impulse[d] - (w[d] - normal * row.normal[d]) / most
-        J = (row.normal_impulse - push) * row.normal[d]
-        before, then = first.velocity[d], second.velocity[d]
-        first.velocity[d] -= J / first.mass
-        second.velocity[d] += J / second.mass
-        changed = _give(first, second, row, d, part * stick - row.tangential_impulse[d]) or changed
-        changed = changed or _differ(before, first.velocity[d])
-        changed = changed or _differ(then, second.velocity[d])
+        across = part * stick[d] - row.tangential_impulse[d]
+        J = (row.normal_impulse - push) * row.normal[d] + across
+        changed = _give(first, second, inverse, row, d, across, J) or changed
     return changed or _differ(push, row.normal_impulse)
 
 
 @inner_kernel
-def _give(first, second, row, d, J):
-    """Change component `d` of two fields' velocities by an impulse, added to the tangential one.
+def _give(first, second, inverse, row, d, across, J):
+    """Change component `d` of two fields' velocities by the impulse J, `across` it tangentially.
 
-    Returns whether this changes anything.
+    Their masses are 1 over those `inverse`. Returns whether this changes anything.
     """
     before = (row.tangential_impulse[d], first.velocity[d], second.velocity[d])
-    row.tangential_impulse[d] += J
-    first.velocity[d] -= J / first.mass
-    second.velocity[d] += J / second.mass
+    row.tangential_impulse[d] += across
+    first.velocity[d] -= J * inverse[0]
+    second.velocity[d] += J * inverse[1]
     return (
         _differ(before[0], row.tangential_impulse[d])
         or _differ(before[1], first.velocity[d])

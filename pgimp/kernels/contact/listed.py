@@ -7,7 +7,8 @@ import numpy as np
 from pgimp.jit.memory import structure
 
 #: A contact vertex: its numbers by direction, its fields with particles and its rigid bodies, and
-#: its pairs. `first_field` and `first_pair` are their first entries in the list.
+#: its pairs. `first_field` and `first_pair` are their first entries in the list. `simple` is 1
+#: if nothing else acts there, and no pair while its surfaces move apart.
 LISTED_VERTEX = structure(
     ("number", "i8", 3),
     ("fields", "i8"),
@@ -15,14 +16,17 @@ LISTED_VERTEX = structure(
     ("first_field", "i8"),
     ("pairs", "i8"),
     ("first_pair", "i8"),
+    ("simple", "i8"),
 )
 
 #: A field: the offset of its record, -1 for a rigid body, and its body.
 LISTED_FIELD = structure(("offset", "i8"), ("body", "i8"))
 
-#: A pair: its fields, counted at the vertex, and its law; the rest as in `PAIR_STATE`.
+#: A pair: its fields, counted at the vertex, the offsets of their records, and its law; the rest as
+#: in `PAIR_STATE`.
 LISTED_PAIR = structure(
     ("fields", "i8", 2),
+    ("offsets", "i8", 2),
     ("law", "i8"),
     ("normal", "f8", 3),
     ("gap_rate", "f8"),

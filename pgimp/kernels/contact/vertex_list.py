@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.kernels.contact.gap import find_pairs
+from pgimp.kernels.contact.law import rests_apart
 from pgimp.kernels.contact.listed import FIELDS, PAIRS, VERTICES
 from pgimp.kernels.contact.rigid_fields import (
     has_rigid_bodies,
@@ -19,7 +20,7 @@ from pgimp.kernels.data.frame import Frame
 from pgimp.kernels.data.record import FORCE, MASS, MOMENTUM, VELOCITY
 from pgimp.kernels.data.used_rows import next_rows, rows_with
 from pgimp.kernels.data.velocity_fields import field_size
-from pgimp.kernels.grid.faces import on_walls, wall_sides
+from pgimp.kernels.grid.faces import beyond_any, face_count, on_walls, wall_sides
 from pgimp.kernels.rigid.ring_volume import ring_volume_factor, walled_volume_factor
 
 
@@ -113,13 +114,18 @@ def _add(contact, search, number, most, near, found):
     for a in range(count + rigid):
         listed.fields[f + a].offset = contact.offsets[a]
         listed.fields[f + a].body = contact.bodies[a]
+    simple = rigid == 0 and not beyond_any(faces, face_count(faces), frame, number)
     for pair in range(pairs):
         kept, state, ends = listed.pairs[p + pair], contact.pair_states[pair], contact.ends[pair]
         kept.fields[0], kept.fields[1], kept.law = ends.fields[0], ends.fields[1], ends.law
+        for end in range(2):
+            kept.offsets[end] = contact.offsets[ends.fields[end]]
+        simple = simple and rests_apart(contact.pairs, ends.law - 1, state)
         kept.gap_rate, kept.area = state.gap_rate, state.area
         kept.adhesion, kept.shear_adhesion = state.adhesion, state.shear_adhesion
         for d in range(3):
             kept.normal[d] = state.normal[d]
+    row.simple = simple
     return after
 
 

@@ -4,8 +4,11 @@ A body fills a small part of its field's planes. So the rows along z with sums a
 `Field.used`, and others are left out. A scene that always has one field notes nothing.
 """
 
+from math import floor
+
+import pgimp.jit.functions  # noqa: F401  so that they work on vectors of four particles, too
 from pgimp.jit.kernel import inlined, inner_kernel, kernel, of_types
-from pgimp.jit.vectors.simd import load, pack, store
+from pgimp.jit.vectors.simd import lane, load, pack, store
 from pgimp.jit.words import lowest_bit
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.data.velocity_fields import field_count, field_size
@@ -140,28 +143,30 @@ def use_layer(field, low, high):
 
 @inlined
 def layer_marks(field, vertices, D):
-    """What `mark_support` needs to mark rows in a layer's own planes; () with a single field."""
+    """What `mark_supports` needs to mark rows in a layer's own planes; () with a single field."""
     if is_single(field):
         return ()
     window = field.window
     reach = (vertices - 1) * window.stride[1] if D > 1 else 0
     span = rows_of_bit(window) * window.stride[1]
-    return 1.0 / field_size(window), 1.0 / span, reach, field.used[len(field.active)]
+    return float(field_size(window)), 1.0 / span, reach, field.used[len(field.active)]
 
 
 @inlined
-def mark_support(marks, window, body, offset):
-    """Mark the rows of a particle's support, whose first vertex is at `offset` in a plane."""
+def mark_supports(marks, window, offsets):
+    """Mark the rows of four supports, whose first vertices are at `offsets` in a plane, a Vec4."""
     if len(marks) == 0:
         return None
     if len(window.bodies) == 0:
         return
-    by_size, by_span, reach, used = marks
-    begin = window.bodies[body]
-    # By products, as quotients of whole numbers are slow; half a record is far from rounding.
-    first = int((offset - begin + 0.5 * RECORD) * by_span)
-    last = int((offset - begin + reach + 0.5 * RECORD) * by_span)
-    used[int(begin * by_size + 0.5)] |= (2 << last) - (1 << first)
+    size, by_span, reach, used = marks
+    # By products, as quotients are slow; half a record is far from rounding.
+    middle = offsets + 0.5 * RECORD
+    fields = floor(middle * (1.0 / size))
+    rows = middle - fields * size
+    first, last = floor(rows * by_span), floor((rows + reach) * by_span)
+    for j in range(4):
+        used[int(lane(fields, j))] |= (2 << int(lane(last, j))) - (1 << int(lane(first, j)))
 
 
 @inlined

@@ -36,7 +36,7 @@ LATTICE = structure(
 )  # fmt: skip
 
 #: Points by direction of a block of a lattice, see `RigidBodies.blocks`.
-BLOCK = 4
+BLOCK = 2
 
 #: A rigid body at a point: distance, normal and mean distance. At a vertex: filled part, area with
 #: outward normal, and curvature's share of the mean gap from a plane.

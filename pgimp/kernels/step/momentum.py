@@ -1,7 +1,7 @@
 """Momentum update (14) of the vertices, boundary conditions, and reactions of the faces."""
 
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
-from pgimp.jit.vectors.simd import lane, load, pack, store, with_lane
+from pgimp.jit.vectors.simd import lane, load, pack, store, vector, where, with_lane
 from pgimp.kernels.contact.vertex import apply_contact
 from pgimp.kernels.data.motion import KEPT_VELOCITY, grid_rate, keeps, velocity_before
 from pgimp.kernels.data.record import ACCELERATION, FORCE, HELD, MASS, RECORD, VELOCITY
@@ -66,18 +66,17 @@ def update_momentum(frame, field, faces, forcing, ledger, contact, part):
         for n in range(face_count(faces)):
             constrain_plane(faces, n, frame, field, forcing, i, ledger)
         if heavy and i < owned:
-            power = 0.0
+            total = vector(0.0)
             for f in range(field_count(field.window)):
                 first, left = i * plane + f * size, used_rows(field, i, f)
                 while left:
                     begin, end, left = next_rows(field, left)
                     for r in range(first + begin * row, first + end * row, RECORD):
-                        if not G[r + MASS] > 0.0:  # also beyond mirrors and seams
-                            continue
-                        v = r + VELOCITY
-                        b_v = gravity[0] * G[v] + gravity[1] * G[v + 1] + gravity[2] * G[v + 2]
-                        power += G[r + MASS] * b_v
-            work[i] += dt * power
+                        v = load(G, r)
+                        m = vector(lane(v, 0))  # positive, except beyond mirrors and seams
+                        total = total + where(m > 0.0, m * v, vector(0.0))
+            power = gravity[0] * lane(total, 1) + gravity[1] * lane(total, 2)
+            work[i] += dt * (power + gravity[2] * lane(total, 3))
 
 
 @inner_kernel
@@ -86,6 +85,20 @@ def _accelerate(G, kept, begin, end, dt, gravity, mass_cutoff, clearances):
 
     `kept` is the vertices' motion, and whether they keep it.
     """
+    if not is_record(kept[0]):
+        pull = pack(0.0, gravity[0], gravity[1], gravity[2])
+        for r in range(begin, end, RECORD):  # without a branch: every third vertex may be empty
+            p, f = load(G, r), load(G, r + HELD)
+            m = lane(p, 0)
+            inverse = 1.0 / m if m > 0.0 else 0.0
+            part = 1.0 if m > mass_cutoff else 0.0
+            a = (part * inverse) * f + part * pull
+            v = inverse * p + dt * a
+            store(G, r, with_lane(v, 0, m))
+            store(G, r + HELD, with_lane(a, 0, lane(f, 0)))
+            if m >= 0.0:
+                clear(clearances, G, r)
+        return
     for r in range(begin, end, RECORD):
         m = G[r + MASS]
         if m > mass_cutoff and _moves_on(kept, G, r, dt, gravity):

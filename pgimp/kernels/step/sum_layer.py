@@ -3,14 +3,14 @@
 from pgimp.jit.kernel import class_of, inlined
 from pgimp.jit.vectors.simd import stack
 from pgimp.kernels.data.record import RECORD
-from pgimp.kernels.data.used_rows import layer_marks, mark_support
+from pgimp.kernels.data.used_rows import layer_marks, mark_supports
 from pgimp.kernels.loads.body_forces import weight
 from pgimp.kernels.loads.loads import Loads, scatter_loads
 from pgimp.kernels.step.contribution import contribution, hoop_force
 from pgimp.kernels.transfer.lane_io import LANES, four_rows
 from pgimp.kernels.transfer.mean_dilatation_weights import keep_means
 from pgimp.kernels.transfer.scatter import Share, scatter
-from pgimp.kernels.transfer.supports import SUPPORT_SIZE, first_offset, supports
+from pgimp.kernels.transfer.supports import SUPPORT_SIZE, first_offset, first_offsets, supports
 from pgimp.kernels.transfer.transfer import Support
 from pgimp.kernels.update.affine import affine_momentum
 from pgimp.kernels.update.mean_dilatation import mean_force
@@ -71,6 +71,7 @@ def sum_layer(setting, field, particles, quantity, rows, span, number):
         else:
             own = class_of(quantity)
             own.supports(quantity, shape, frame, window, particles, four, number, buffer)
+        mark_supports(marks, window, first_offsets(buffer))
         for j in range(min(LANES, end - k)):
             p = rows[k + j]
             offset = first_offset(buffer, j)
@@ -85,7 +86,6 @@ def sum_layer(setting, field, particles, quantity, rows, span, number):
             else:
                 share = class_of(quantity).share(quantity, shape, frame, particles, p)
                 scatter(shape, scratch, support, offset, window.stride, share)
-            mark_support(marks, window, particles.body[p], offset)
             low = min(low, offset)
             high = max(high, offset)
     if isinstance(quantity, Loads):

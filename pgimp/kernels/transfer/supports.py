@@ -130,6 +130,12 @@ def first_offset(buffer, j):
 
 
 @inlined
+def first_offsets(buffer):
+    """Offsets of the first vertices of all four particles, a vector."""
+    return load(buffer, _OFFSET)
+
+
+@inlined
 def entry(buffer, d, quantity, i, j):
     """Weight (0), gradient (1) or arm (2) of vertex `i` along direction `d` of particle `j`."""
     return number(buffer, d * _DIRECTION + quantity * _QUANTITY + 4 * i + j)
@@ -150,7 +156,7 @@ def entries(buffer, d, quantity, i, j, like):
 @inlined
 def share_support(buffer):
     """Whether all four particles share their first vertex and field."""
-    return bits(load(buffer, _OFFSET) == number(buffer, _OFFSET)) == 15
+    return bits(first_offsets(buffer) == number(buffer, _OFFSET)) == 15
 
 
 @inlined

@@ -199,7 +199,7 @@ class MultifieldContact(NoContact):
             )
         found = marked(contact.vertex_counts)
         if len(found):
-            order = self._near(grid, rank.population, found)
+            order = self._near(grid, rank.population)
             self._volumes.add(rank.up_to_date(), order, found)
 
     def update_momentum(self, rank: RankState, update: VertexUpdate) -> None:
@@ -313,13 +313,13 @@ class MultifieldContact(NoContact):
         new = {"volumes": sums.G, "used": sums.field.used, "near": near, "marks": marks}
         self.data = self.data._replace(**new)
 
-    def _near(self, grid: Grid, population: Population, planes: np.ndarray) -> Order:
-        """Find the particles that may have weight on contact vertices, in some of the planes."""
+    def _near(self, grid: Grid, population: Population) -> Order:
+        """Find the particles that may have weight on contact vertices."""
         order, extent = population.ordered, grid.window.extent
-        ranges = self.data.vertex_ranges[planes]
+        ranges = self.data.vertex_ranges.view(np.int64).reshape(-1, 2, 2)  # others are empty
         if any(self.scene.domain.periodic):  # also particles at the other side of a seam are near
             return order
-        y, z = (ranges["high"].max(axis=0) - ranges["low"].min(axis=0) + 1).tolist()
+        y, z = (ranges[:, 1].max(axis=0) - ranges[:, 0].min(axis=0) + 1).tolist()
         if not needed(y * z <= _MOST_OF_A_PLANE * extent[1] * extent[2]):
             return order
         if len(self._rows) < len(order.rows):

@@ -208,7 +208,7 @@ def text(kept: dict) -> str:
     note = (
         f"Of {len(results)} problems {sum(one.accurate for one in results)} are accurate, "
         f"{sum(one.cheap for one in results)} cheap, {both} both; "
-        f"{sum(one.strict for one in results)} in the strict reading. "
+        f"{sum(one.strict for one in results)} in the strict reading.\n\n"
         f"Measured by `scripts/auto` on {kept['origin']}."
     )
     return table(titles, rows, note)

@@ -7,6 +7,7 @@ OFFSETS = ((0.0, 0.0), (0.5, 0.5), (0.25, 0.0), (0.13, 0.21), (0.37, 0.78))
 STILL, FRAMES = (0.0, 0.0), ((0.0, 0.0), (0.02, 0.0), (0.05, 0.02), (0.2, 0.05))
 LATTICES = ((0.37, 0.21), (0.2, 0.6), (0.97, 0.02))
 SIDES = ((0.0, 0.0), (0.5, 0.5), (0.25, 0.0), (0.13, 0.21), (-0.13, 0.21))
+PRESSED = ((0.13, 0.21), (0.5, 0.5), (0.33, 0.77), (0.8, 0.6))
 WHAT = ("bars", "disks", "oblique", "blocks", "hertz", "slopes", "beam", "hard", "speed")
 
 
@@ -66,16 +67,16 @@ def blocks():
 
 
 def hertz():
-    for words, found in (
-        *(("disk", pressed.line(R)) for R in (16, 32)),
-        ("ball, in 3D,", pressed.sphere()),
-    ):
-        yield (
-            f"{words} pressed on a plane, {found['half width']:.1f} cells in the half-width: "
-            "greatest pressure of a patch over Hertz's, and recovered",
-            "1",
-            f"{found['greatest']:.3f}, {found['recovered']:.3f}",
-        )
+    words = "greatest pressure of a patch over Hertz's, and recovered"
+    for R in (16, 32):
+        found = [pressed.line(R, at) for at in PRESSED]
+        greatest, recovered = ([each[n] for each in found] for n in ("greatest", "recovered"))
+        yield (f"disk pressed on a plane, {found[0]['half width']:.1f} cells in the half-width, at "
+               f"four places in the cell: {words}", "1",
+               f"{spread(greatest)}, {spread(recovered)}")  # fmt: skip
+    one = pressed.sphere()
+    yield (f"ball, in 3D, pressed on a plane, {one['half width']:.1f} cells in the half-width: "
+           f"{words}", "1", f"{one['greatest']:.3f}, {one['recovered']:.3f}")  # fmt: skip
 
 
 def rolling():

@@ -90,7 +90,7 @@ def cube_on_its_corner(side=5.0, load=2e-3):
     end = 60.0 * side / C
     sim = core(case_of([16.0, 16.0, 16.0], 1.0, {"solid": SOLID}, bodies, end,
                        gravity={"table": [[0.0, [0.0] * 3], [0.3 * end, [0.0, 0.0, -g]]]},
-                       damping={"mass": 1.0 * C / side},
+                       damping={"mass": 0.5 * C / side},
                        contact=[{"bodies": ["cube", "floor"], "friction": 0.3}]))  # fmt: skip
     _, deepest, lines = watched(sim, 5)
     force = np.mean([line["contact.cube+floor-z"] for line in lines[-5:]])

@@ -113,8 +113,10 @@ def pressed(bodies, size, D, rate, g, end, **more):
     return sim
 
 
-def line(R, load=0.02, waves=60.0):
+def line(R, at=(0.13, 0.21), load=0.02, waves=60.0):
     """Pressures over Hertz's greatest, of a disk on a rigid plane under its weight, and more.
+
+    `at` is where its centre is in a cell.
 
     Also the half width in cells, the force over the weight, and the rms deviation from his profile.
     """
@@ -122,7 +124,7 @@ def line(R, load=0.02, waves=60.0):
     force = load * stiff * R
     g = force / (pi * R * R)
     rate = C / R
-    centre = np.array([R + 4.13, R + 4.21])
+    centre = R + 4.0 + np.array(at)
     floor = centre[1] - R - 1e-3
     bodies = {
         "disk": exact(ball(centre, R)),
