@@ -21,7 +21,7 @@ MAX_PLANES = 16
 
 
 def corners(
-    region: Region, points: Points, low: Points, high: Points, axes: tuple[int, ...]
+    region: Region, points: Points, boxes: tuple[Points, Points], row: Rows, axes: tuple[int, ...]
 ) -> Iterator[tuple[Rows, Reals]]:
     """Yield the coordinates, along the first of `axes`, at which tilted planes meet within pieces.
 
@@ -29,8 +29,10 @@ def corners(
     ----------
     region : Region
         Region with the flat surfaces; ignored if more than `MAX_PLANES` are tilted.
-    points, low, high : (n, D) float64
-        Corners of the pieces in the directions `axes`, and their coordinates in the others.
+    points : (n, D) float64
+        Coordinates of the pieces but in the directions `axes`.
+    boxes, row : ((m, D) float64, (m, D) float64), (n,) int64
+        Low and high corners of boxes, and the box of each piece.
     axes : tuple of int
         The remaining directions of integration.
 
@@ -46,7 +48,7 @@ def corners(
     tilted = [flat for flat in flats if sum(n != 0.0 for n in flat.normal) > 1]
     if not 2 <= len(tilted) <= MAX_PLANES:
         return
-    offsets, near = [], []
+    (low, high), offsets, near = (end[row] for end in boxes), [], []
     for normal, foot in tilted:
         offsets.append(sum(n * x for n, x in zip(normal, foot, strict=True)))
         away, reach = np.full(len(points), -offsets[-1]), np.zeros(len(points))

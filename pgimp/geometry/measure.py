@@ -61,7 +61,7 @@ class TangledError(Exception):
 
 
 def measure(
-    region: Region, low: Points, high: Points, products: int = 0, across: int | None = None
+    region: Region, low: Points, high: Points, products: int = 0, across: Rows | None = None
 ) -> tuple[Reals, Reals]:
     """Measure the parts of boxes that lie in a region.
 
@@ -71,8 +71,8 @@ def measure(
         Corners of the boxes.
     products : int
         Number of products of inertia to measure, too.
-    across : int, optional
-        Direction in which boxes are thin: their parts are as in the middle of pieces between
+    across : (n,) int64, optional
+        Direction in which each box is thin: its parts are as in the middle of pieces between
         planes, and what has moments along it is not measured.
 
     Returns
@@ -94,7 +94,12 @@ def measure(
         part = slice(begin, begin + _BATCH)
         centre = 0.5 * (low[part] + high[part])
         rows, a, b = pieces(region, low[part], high[part])
-        _add(total[part], rows, _piece(region, a, b, centre[rows], width, across))
+        thin = None if across is None else across[part][rows]
+        found = _piece(region, a, b, centre[rows], width, thin)
+        if np.array_equal(rows, np.arange(len(centre))):
+            total[part] = found
+        else:
+            _add(total[part], rows, found)
     return total[:, 0], total[:, 1:]
 
 
@@ -106,20 +111,51 @@ def _add(total: Reals, rows: Rows, parts: Reals) -> None:
 
 def pieces(region: Region, low: Points, high: Points) -> tuple[Rows, Points, Points]:
     """Cut boxes along the planes: for each piece the row of its box, ascending, and its corners."""
+    cuts, met = _cuts(region, low, high), np.zeros(len(low), bool)
+    for rows, _ in cuts:
+        met[rows] = True
+    alone = np.flatnonzero(~met & (low < high).all(axis=1))
+    some = np.flatnonzero(met)
+    if not len(some):
+        return alone, low[alone], high[alone]
+    cuts = [(np.searchsorted(some, rows), at) for rows, at in cuts]
+    row, a, b = _parted(low[some], high[some], cuts)
+    rows = np.concatenate([alone, some[row]])
+    order = np.argsort(rows, kind="stable")
+    a, b = np.concatenate([low[alone], a])[order], np.concatenate([high[alone], b])[order]
+    return rows[order], a, b
+
+
+def _cuts(region: Region, low: Points, high: Points) -> list[tuple[Rows, Reals]]:
+    """By axis the rows of boxes that planes cut, and where, as often as there are such planes."""
+    D = low.shape[1]
+    found: list[list[tuple[Rows, Reals]]] = [
+        [(np.zeros(0, np.int64), np.zeros(0))] for _ in range(D)
+    ]
+    least, most = low.min(axis=0, initial=np.inf), high.max(axis=0, initial=-np.inf)
+    for plane in region.planes():
+        axis, at = plane.axis, plane.at
+        if not least[axis] < at < most[axis]:
+            continue
+        rows = np.flatnonzero((low[:, axis] < at) & (at < high[:, axis]))
+        for d in range(D):
+            if len(rows) and d != axis:
+                meets = (low[rows, d] <= plane.high[d]) & (plane.low[d] <= high[rows, d])
+                rows = rows[meets]
+        found[axis].append((rows, np.full(len(rows), at)))
+    return [
+        (np.concatenate(rows), np.concatenate(at))
+        for rows, at in (zip(*e, strict=True) for e in found)
+    ]
+
+
+def _parted(
+    low: Points, high: Points, cuts: list[tuple[Rows, Reals]]
+) -> tuple[Rows, Points, Points]:
+    """See `pieces`, for cuts by axis."""
     n, D = low.shape
-    planes = region.planes()
     stretches, counts = [], []
-    for axis in range(D):
-        rows, cuts = [np.zeros(0, np.int64)], [np.zeros(0)]
-        least, most = low[:, axis].min(initial=np.inf), high[:, axis].max(initial=-np.inf)
-        for plane in planes:
-            if plane.axis == axis and least < plane.at < most:
-                meets = (low[:, axis] < plane.at) & (plane.at < high[:, axis])
-                for d in range(D):
-                    meets &= (low[:, d] <= plane.high[d]) & (plane.low[d] <= high[:, d])
-                rows.append(np.flatnonzero(meets))
-                cuts.append(np.full(len(rows[-1]), plane.at))
-        cut = (np.concatenate(rows), np.concatenate(cuts))
+    for axis, cut in enumerate(cuts):
         stretches.append(_stretches(low[:, axis], high[:, axis], *cut))
         counts.append(np.bincount(stretches[-1][0], minlength=n))
     many = np.prod(counts, axis=0)
@@ -152,7 +188,7 @@ def _stretches(low: Reals, high: Reals, rows: Rows, cuts: Reals) -> tuple[Rows, 
 
 
 def _piece(
-    region: Region, low: Points, high: Points, centre: Points, width: int, across: int | None
+    region: Region, low: Points, high: Points, centre: Points, width: int, across: Rows | None
 ) -> Reals:
     """Volume and moments about `centre` of pieces without cuts by planes, (n, width)."""
     n, D = low.shape
@@ -177,18 +213,22 @@ def _piece(
     rest = np.flatnonzero(~uniform)
     if len(rest) == 0:
         return total
-    steep = _steepness(region, middle[rest], size[rest])
+    if across is not None and D == 2:  # lines have the other direction
+        steep = np.zeros((len(rest), D))
+    else:
+        steep = _steepness(region, middle[rest], size[rest])
     if across is not None:
-        steep[:, across] = -1.0
+        steep[np.arange(len(rest)), across[rest]] = -1.0
     order = np.argsort(steep, axis=1, kind="stable")  # the line's direction comes last
+    last = order[:, -1] + D * order[:, 0]
     for axes in permutations(range(D)):
-        rows = rest[(order == axes).all(axis=1)]
+        rows = rest[last == axes[-1] + D * axes[0]]
         if not len(rows):
             continue
         along = axes if across is None else axes[1:]
         total[rows] = _integrate(region, middle[rows], rows, (low, high, centre), along, width)
         if across is not None:
-            total[rows] *= size[rows, across, None]
+            total[rows] *= size[rows, axes[0], None]
     return total
 
 
@@ -199,16 +239,16 @@ def _steepness(region: Region, middle: Points, size: Points) -> Reals:
     """
     steep, nearest = np.zeros_like(middle), np.full(len(middle), np.inf)
     for part in region.simple():
-        away = part.curved(middle)
-        rows = np.flatnonzero(away < nearest)
-        nearest[rows] = away[rows]
+        gap = part.curved(middle)
+        rows = np.flatnonzero(gap < nearest)
+        nearest[rows], points = gap[rows], middle[rows]
         for d in range(middle.shape[1]):
-            ends = []
-            for side in (-0.25, 0.25):
-                points = middle[rows]
-                points[:, d] += side * size[rows, d]
+            ends, own, side = [], points[:, d].copy(), size[rows, d]
+            for away in (-0.25, 0.25):
+                points[:, d] = own + away * side
                 ends.append(part.distance(points))
-            steep[rows, d] = np.abs(ends[1] - ends[0]) / size[rows, d]
+            points[:, d] = own
+            steep[rows, d] = np.abs(ends[1] - ends[0]) / side
     return steep
 
 
@@ -242,7 +282,7 @@ def _integrate(
         crossings.append(region.crossings(edge, axis))
     every = np.concatenate(crossings, axis=1)
     more, cut = np.zeros(0, np.int64), np.zeros(0)
-    if inner and (found := [*corners(region, points, boxes[0][row], boxes[1][row], axes)]):
+    if inner and (found := [*corners(region, points, boxes[:2], row, axes)]):
         more, cut = (np.concatenate(each) for each in zip(*found, strict=True))
         order = np.argsort(more, kind="stable")
         more, cut = more[order], cut[order]

@@ -60,6 +60,10 @@ class Ball(Model, Region):
 
     def crossings(self, points: Points, axis: int) -> Lengths:
         """See `Region.crossings`."""
+        half, found = self._square(points, axis), np.empty((len(points), 2))
+        np.subtract(self.radius * self.radius, half, out=half)
         with np.errstate(invalid="ignore"):
-            half = np.sqrt(self.radius * self.radius - self._square(points, axis))
-        return np.stack([self.centre[axis] - half, self.centre[axis] + half], axis=1)
+            np.sqrt(half, out=half)
+        np.subtract(self.centre[axis], half, out=found[:, 0])
+        np.add(self.centre[axis], half, out=found[:, 1])
+        return found

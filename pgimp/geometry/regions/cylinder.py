@@ -55,13 +55,19 @@ class Cylinder(Model, Region):
     def _cylindrical(self, points: Points) -> tuple[Lengths, Lengths]:
         """Return the coordinate along the axis and the squared distance from it."""
         axis = self._axis()
-        along = np.zeros(len(points))
-        for i, a in enumerate(self.start):
-            along += (points[:, i] - a) * axis[i]
-        square = np.zeros(len(points))
-        for i, a in enumerate(self.start):
-            square += ((points[:, i] - a) - along * axis[i]) ** 2
+        along, square = self._along(points, axis), np.zeros(len(points))
+        for i, (a, u) in enumerate(zip(self.start, axis, strict=True)):
+            if abs(u) < 1.0:  # else nothing is across the axis
+                square += (_across(points[:, i] - a, along, u)) ** 2
         return along, square
+
+    def _along(self, points: Points, axis: tuple[float, ...]) -> Lengths:
+        """Return the coordinate along the axis."""
+        along = np.zeros(len(points))
+        for i, (a, u) in enumerate(zip(self.start, axis, strict=True)):
+            if u != 0.0:
+                along += (points[:, i] - a) * u
+        return along
 
     def bounds(self) -> Bounds:
         """See `Region.bounds`."""
@@ -121,19 +127,26 @@ class Cylinder(Model, Region):
     def crossings(self, points: Points, axis: int) -> Lengths:
         """See `Region.crossings`; x is relative to each point's own coordinate."""
         u = self._axis()
-        along = np.zeros(len(points))
-        for i, a in enumerate(self.start):
-            along += (points[:, i] - a) * u[i]
+        along = self._along(points, u)
         # Squared distance from the axis: constant, half the linear, and quadratic term.
         c = np.full(len(points), -self.radius * self.radius)
         b = np.zeros(len(points))
         for i, a in enumerate(self.start):
-            away = (points[:, i] - a) - along * u[i]
-            slope = float(i == axis) - u[axis] * u[i]
+            if abs(u[i]) == 1.0:
+                continue
+            away = _across(points[:, i] - a, along, u[i])
             c += away * away
-            b += away * slope
+            if (slope := float(i == axis) - u[axis] * u[i]) != 0.0:
+                b += away * slope
+        x = points[:, axis : axis + 1]
+        if abs(u[axis]) == 1.0:  # no line meets the mantle
+            ends = np.stack([-along, self._length() - along], axis=1) / u[axis]
+            return np.where((c > 3.0 * self.radius * self.radius)[:, None], np.nan, ends) + x
+        if u[axis] == 0.0:  # no line meets the ends
+            far = np.abs(along - 0.5 * self._length()) > 0.5 * self._length() + self.radius
+            return np.where(far[:, None], np.nan, roots(1.0, b, c)) + x
         aa = sum((float(i == axis) - u[axis] * u[i]) ** 2 for i in range(3))
-        mantle = roots(aa, b, c) if aa > 0.0 else np.full((len(points), 2), np.nan)
+        mantle = roots(aa, b, c)
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
             ends = np.stack([-along, self._length() - along], axis=1) / u[axis]
             # Far beyond the rims, mantle and ends are no surface.
@@ -142,4 +155,9 @@ class Cylinder(Model, Region):
             mantle = np.where(far, np.nan, mantle)
             square = c[:, None] + (2.0 * b[:, None] + aa * ends) * ends
             ends = np.where(square > 3.0 * self.radius * self.radius, np.nan, ends)
-        return np.concatenate([mantle, ends], axis=1) + points[:, axis : axis + 1]
+        return np.concatenate([mantle, ends], axis=1) + x
+
+
+def _across(away: Lengths, along: Lengths, u: float) -> Lengths:
+    """Component across an axis, whose component is u, of vectors from a point of it."""
+    return away if u == 0.0 else away - along * u

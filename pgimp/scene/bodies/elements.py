@@ -39,14 +39,14 @@ class Elements(NamedTuple):
         second = np.zeros((n, PRODUCTS[D - 1], D))
         return cls(box, centre, area, np.zeros((n, D, D)), half, second)
 
-    def about(self, points: Reals) -> Reals:
-        """Integrals as `second`, of positions from points, (n, 0, 1 or 4, D)."""
-        D, found = self.centre.shape[1], self.second.copy()
+    def about(self, points: Reals, count: int | None = None) -> Reals:
+        """Integrals as the first of `second`, of positions from points, (n, count, D)."""
+        D, found = self.centre.shape[1], self.second[:, :count].copy()
         s = (self.centre - points)[:, :, None]
         A, M, T = self.area, self.moment, self.second
         for k, (i, j) in enumerate(_PAIRS[D - 1]):
             found[:, k] += s[:, i] * M[:, j] + s[:, j] * M[:, i] + s[:, i] * s[:, j] * A
-        if D == 3:
+        if found.shape[1] == 4:
             x, y, z = s[:, 0], s[:, 1], s[:, 2]
             found[:, 3] += x * T[:, 0] + y * T[:, 1] + z * T[:, 2] + x * y * z * A
             found[:, 3] += x * y * M[:, 2] + x * z * M[:, 1] + y * z * M[:, 0]
@@ -98,7 +98,7 @@ def half_edges(elements: Elements, x: Reals, normal: Reals, size: Reals) -> Real
     half = np.maximum(half, 1e-3 * np.sqrt(size))
     box = np.stack([half**2, np.zeros(n), (0.25 * size / half) ** 2], axis=1) / 3.0
     area = elements.area
-    products = (elements.about(x) * area[:, None]).sum(axis=2)[:, :3]
+    products = (elements.about(x, 3) * area[:, None]).sum(axis=2)
     products /= (area * area).sum(axis=1)[:, None]
     pairs = [[a[:, i] * a[:, j], a[:, i] * b[:, j] + b[:, i] * a[:, j], b[:, i] * b[:, j]]
              for i, j in _PAIRS[2]]  # fmt: skip

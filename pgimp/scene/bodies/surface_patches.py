@@ -13,11 +13,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pgimp.geometry.rows import distinct
 from pgimp.scene.bodies.elements import Elements, Indices, Reals, half_edges
 from pgimp.scene.bodies.lattice_body import LatticeBody
 from pgimp.scene.bodies.surface_elements import find_elements
 from pgimp.scene.bodies.surfaces.beside import beside
-from pgimp.scene.bodies.surfaces.boxes import Closed, distinct
+from pgimp.scene.bodies.surfaces.boxes import Closed
 from pgimp.scene.bodies.surfaces.edges import FLAT, parted
 
 #: Least area of a facet, and of a patch that does not join another, over that of a cell's side.

@@ -6,6 +6,7 @@ from itertools import product
 
 import numpy as np
 
+from pgimp.geometry.rows import each_once
 from pgimp.solver.lagrangian.masters import Vertices
 from pgimp.solver.lagrangian.pieces import runs
 from pgimp.solver.rank_state import RankState
@@ -126,8 +127,10 @@ def near_cells(
         rows = order.rows[run]
         x = (p.origin[rows] - np.array(frame.origin)) / h + frame.ghost
         first = np.floor(x).astype(np.int64)
-        mine = np.isin(Vertices.key(rank, first, p.body[rows]), near)
-        x, first, rows = x[mine] - first[mine], first[mine], rows[mine]
+        keys = Vertices.key(rank, first, p.body[rows])
+        begin = np.flatnonzero(np.diff(keys, prepend=-1))  # particles of a cell follow each other
+        mine = np.repeat(np.isin(keys[begin], near), np.diff(begin, append=len(keys)))
+        x, first, rows, keys = x[mine] - first[mine], first[mine], rows[mine], keys[mine]
         gradients = np.empty((len(rows), len(corners), len(h) + axial))
         # From the section's centroid to the mass's.
         out = p.products[rows, 1:] / h if axial else 0.0
@@ -140,10 +143,8 @@ def near_cells(
                 n = np.where(corner == 1, x + out, 1.0 - x - out)
             for d in range(len(h)):
                 slope = (2 * corner[d] - 1) / h[d]
-                gradients[:, c, d] = slope * np.delete(n, d, axis=1).prod(axis=1)
-        # The particles of a cell follow each other.
-        keys, bodies = Vertices.key(rank, first, p.body[rows]), p.body[rows]
-        begin = np.flatnonzero(np.diff(keys, prepend=-1))
+                gradients[:, c, d] = slope * n[:, [e for e in range(len(h)) if e != d]].prod(axis=1)
+        begin, bodies = np.flatnonzero(np.diff(keys, prepend=-1)), p.body[rows]
         products = np.einsum("pid,pjd->pij", p.m[rows][:, None, None] * gradients, gradients)
         stiffness = np.add.reduceat(products, begin) if len(begin) else products
         at = np.zeros((len(begin), len(corners)), np.int64)
@@ -157,3 +158,36 @@ def near_cells(
     at, stiffness = (np.concatenate(each) for each in zip(*parts, strict=True))
     ascending = np.lexsort(at.T)  # not in the order of ranks
     return at[ascending], stiffness[ascending]
+
+
+def steady(
+    rank: RankState, vertices: Vertices, known: np.ndarray, folded: np.ndarray,
+    few: tuple[np.ndarray, np.ndarray], folding: tuple[np.ndarray, np.ndarray],
+) -> tuple[float, list[tuple[int, int, float]]]:  # fmt: skip
+    """Give free vertices of the masses of others; collective.
+
+    Parameters
+    ----------
+    known, folded : (k,) int64, (k,) float64
+        Vertices around slaves and free ones, ascending, and their masses; changed in place.
+    few : ((n,) int64, (f,) int64)
+        The slaves, and the free vertices.
+    folding : (n, 2^D) int64, (n, 2^D) float64
+        See `stable_courant`.
+
+    Returns
+    -------
+    float
+        Courant number up to which all are stable.
+    list of (int, int, float)
+        What is given, see `missing_masses`.
+    """
+    light, side = np.concatenate(few), min(rank.grid.frame.cell)
+    cells = near_cells(rank, light, known, each_once(folding[0].reshape(-1)))
+    slaves, free = (np.searchsorted(known, each) for each in few)
+    moved = missing_masses(free, slaves, folded, cells, side)
+    for to, by, mass in moved:
+        folded[to] += mass
+        folded[by] -= mass
+    moving = np.where(vertices.at_rest(known), 0.0, folded)
+    return stable_courant(light, known, moving, cells, folding, side), moved

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pgimp.geometry.rows import each_once
 from pgimp.solver.rank_state import RankState
 
 #: Vertices from a slave to its masters, at most, along each direction.
@@ -98,7 +99,7 @@ class Vertices(NamedTuple):
     @staticmethod
     def cells_of(rank: RankState, keys: np.ndarray) -> np.ndarray:
         """Keys of the first vertices of the cells round some vertices."""
-        return np.unique(Vertices.cells_round(rank, keys))
+        return each_once(Vertices.cells_round(rank, keys).reshape(-1))
 
     def field_of(self, keys: np.ndarray) -> np.ndarray:
         """Fields of vertices, by their keys."""
@@ -117,8 +118,8 @@ class Vertices(NamedTuple):
         found = [np.zeros(0, np.int64)]
         for begin in range(0, len(keys), _BLOCK):
             near = self.shifted(keys[begin : begin + _BLOCK])
-            found.append(np.unique(near[near >= 0]))
-        return np.unique(np.concatenate(found))
+            found.append(each_once(near[near >= 0]))
+        return each_once(np.concatenate(found))
 
     def shifted(self, keys: np.ndarray) -> np.ndarray:
         """Keys of the vertices within `REACH` of each, -1 beyond the grid, (n, (2 REACH + 1)^D)."""

@@ -17,7 +17,7 @@ vertices. So no bit depends on the ranks.
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -36,37 +36,14 @@ from pgimp.kernels.lagrangian.slaves import (
 from pgimp.kernels.sums.sums import ANGULAR, KINETIC, MOMENTUM
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
-from pgimp.solver.lagrangian.greatest_frequency import missing_masses, near_cells, stable_courant
-from pgimp.solver.lagrangian.masters import REACH, Vertices, choose_masters
+from pgimp.solver.lagrangian.greatest_frequency import steady
+from pgimp.solver.lagrangian.masters import Vertices, choose_masters
+from pgimp.solver.lagrangian.slave_rows import Rows, exchange, find_rows, places_of, records_of
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.vertices import StepPart, VertexUpdate
 
 #: Part of a cell below which a vertex is a slave.
 LEAST = 0.05
-
-
-class Rows(NamedTuple):
-    """Where a rank has the slaves and their masters, until its planes or its window change."""
-
-    #: slaves, own: (n,) int64: Number of each slave's record, -1 where the rank has none; likewise
-    #: of those that it owns.
-    slaves: np.ndarray
-    own: np.ndarray
-    masters: np.ndarray  #: (m,) int64: Likewise of all masters.
-    #: tuple of 2 (k,) int64: Numbers of slaves, and of masters, that other ranks may need;
-    #: ascending, as ranks are.
-    shared: tuple[np.ndarray, np.ndarray]
-    #: tuple of 2 (j,) int64: Numbers of the rank's own ones among both.
-    mine: tuple[np.ndarray, np.ndarray]
-    counts: np.ndarray  #: (2, ranks) int64: How many of both each rank has.
-    #: (c,) int64: Numbers of changes of mass at the rank's own vertices; their records and layers
-    #: follow.
-    changed: np.ndarray
-    #: records, layers: (c,) int64.
-    records: np.ndarray
-    layers: np.ndarray
-    #: (k, 2) int64: Records of both copies of what is at the ends of a ring of one rank.
-    copies: np.ndarray
 
 
 class Slaves(StepPart):
@@ -154,7 +131,14 @@ class Slaves(StepPart):
         moved: list[tuple[int, int, float]] = []
         self.courant = np.inf
         if len(keys):
-            self.courant, moved = self._steady(rank, vertices, known, folded, masters[chosen])
+            self.courant, moved = steady(
+                rank,
+                vertices,
+                known,
+                folded,
+                (self.keys, self.free),
+                (masters[chosen], self.weights),
+            )
         even = np.array([pair[:2] for pair in moved], np.int64).reshape(-1)
         numbers = np.unique(np.concatenate([masters[chosen].reshape(-1), even]))
         self.of = np.searchsorted(numbers, masters[chosen])
@@ -164,31 +148,6 @@ class Slaves(StepPart):
         if rank.averaged_mass:
             self.courant /= (1.0 + rank.averaged_mass.alpha.max()) ** 0.5
         self._field = None
-
-    def _steady(
-        self, rank: RankState, vertices: Vertices, known: np.ndarray, folded: np.ndarray,
-        masters: np.ndarray,
-    ) -> tuple[float, list[tuple[int, int, float]]]:  # fmt: skip
-        """Give free vertices of the masses of others; collective.
-
-        Returns
-        -------
-        float
-            Courant number up to which all are stable.
-        list of (int, int, float)
-            What is given, see `missing_masses`.
-        """
-        light = np.concatenate([self.keys, self.free])
-        cells = near_cells(rank, light, known, np.unique(masters))
-        side = min(rank.grid.frame.cell)
-        slaves, free = (np.searchsorted(known, each) for each in (self.keys, self.free))
-        moved = missing_masses(free, slaves, folded, cells, side)
-        for to, by, mass in moved:
-            folded[to] += mass
-            folded[by] -= mass
-        moving = np.where(vertices.at_rest(known), 0.0, folded)
-        found = stable_courant(light, known, moving, cells, (masters, self.weights), side)
-        return found, moved
 
     def _find_changes(self, moved: list[tuple[np.ndarray, int, float]]) -> None:
         """Set the changes of mass by folding, and those of free vertices.
@@ -215,7 +174,7 @@ class Slaves(StepPart):
         rows, records = self.located(rank), rank.grid.kept.values.reshape(-1, RECORD)
         keys, _, changes = self._changes
         slaves = np.isin(keys, self.keys)
-        at, _ = self._records(rank, keys)
+        at, _ = records_of(rank, keys)
         there = (at >= 0) & ~slaves
         np.add.at(records[:, KEPT_MASS], at[there], changes[there])
         records[rows.slaves[rows.slaves >= 0], KEPT_MASS] = 0.0
@@ -234,7 +193,7 @@ class Slaves(StepPart):
         """The forces on all slaves that the rank needs, (n, 3); collective."""
         force = np.empty((len(self.keys), 3))
         rank.call(take_vectors, rank.grid.G, RECORD, FORCE, rows.own, force)
-        self.exchange(force, rows, 0)
+        exchange(self.comm, force, rows, 0)
         return force
 
     def _leave(self, rank: RankState, rows: Rows) -> None:
@@ -292,7 +251,7 @@ class Slaves(StepPart):
             return known
         rows = self.located(rank)
         rank.call(take_vectors, values, size, first, rows.masters, known)
-        self.exchange(known, rows, 1)
+        exchange(self.comm, known, rows, 1)
         to = self.of, self.weights, rows.slaves
         rank.call(spread_vectors, values, size, first, known, *to)
         records, vector = values.reshape(-1, size), slice(first, first + 3)
@@ -327,7 +286,7 @@ class Slaves(StepPart):
         mass = mass * part[bodies] if len(part) else mass
         motion = rank.grid.kept.values.reshape(-1, RECORD)[records]
         v = motion[:, KEPT_VELOCITY : KEPT_VELOCITY + 3]
-        x = self._places(rank, self._changes[0][rows.changed[counted]])
+        x = places_of(rank, self._changes[0][rows.changed[counted]])
         x += motion[:, DISPLACEMENT : DISPLACEMENT + 3]
         for d in range(int(self.scene.case.axisymmetric), 3):
             np.add.at(sums[..., MOMENTUM + d], (layer, bodies), mass * v[:, d])
@@ -351,76 +310,12 @@ class Slaves(StepPart):
         found = found[found >= 0]
         return np.concatenate([found, rows.copies[np.isin(low, found), 1]])
 
-    def _places(self, rank: RankState, keys: np.ndarray) -> np.ndarray:
-        """Coordinates of vertices in the initial state, (n, 3)."""
-        frame, found = rank.grid.frame, np.zeros((len(keys), 3))
-        for d, number in enumerate(Vertices.numbers(rank, keys)[: len(frame.cell)]):
-            found[:, d] = frame.origin[d] + (number - frame.ghost) * frame.cell[d]
-        return found
-
-    def _records(self, rank: RankState, keys: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Numbers of the records of vertices, -1 where the rank has none; and their planes."""
-        grid, ring = rank.grid, rank.scene.domain.ring_layers
-        x, y, z, field = Vertices.numbers(rank, keys)
-        (i, j, k), extent = (
-            (each - low for each, low in zip((x, y, z), grid.window.lower, strict=True)),
-            (grid.planes, *grid.window.extent[1:]),
-        )
-        i = i % ring if ring else i
-        there = (i >= 0) & (i < extent[0]) & (j >= 0) & (j < extent[1])
-        there &= (k >= 0) & (k < extent[2])
-        stride = [s // RECORD for s in grid.window.stride]
-        size = extent[1] * extent[2]
-        at = i * stride[0] + field * size + j * stride[1] + k * stride[2]
-        return np.where(there, at, -1), i
-
     def located(self, rank: RankState) -> Rows:
         """Where the rank has slaves and masters; collective when planes or window have changed."""
-        if self._field is rank.grid.field:
-            return self._rows
-        self._field = rank.grid.field
-        owned, slab, ring = rank.grid.owned, rank.slab, rank.scene.domain.ring_layers
-        slaves, i = self._records(rank, self.keys)
-        masters, k = self._records(rank, self.masters)
-        changes, n = self._records(rank, self._changes[0])
-        changed = np.flatnonzero((changes >= 0) & (n < owned))
-        own, mine = (slaves >= 0) & (i < owned), (masters >= 0) & (k < owned)
-        # Whatever is this near to the end of a slab may be of use to other ranks.
-        ends = self.comm.allgather((slab.first, slab.first + owned) if owned else ())
-        edges = np.unique([end for each in ends for end in each])
-        edges = edges[1:-1] if not ring or len(edges) < 3 else edges
-        near, have = [], []
-        for keys, here in ((self.keys, own), (self.masters, mine)):
-            x = Vertices.numbers(rank, keys)[0]
-            apart = np.abs(x[:, None] - edges[None]) if len(edges) else np.full((len(x), 1), 99)
-            apart = np.minimum(apart, ring - apart) if ring and len(edges) else apart
-            near.append(np.flatnonzero(apart.min(axis=1) <= 2 * REACH))
-            have.append(near[-1][here[near[-1]]])
-        counts = np.array(self.comm.allgather([len(each) for each in have])).T
-        layers = np.minimum(n[changed], max(slab.layers - 1, 0))
-        twice = [
-            here[(here >= 0) & (plane + ring < rank.grid.planes)]
-            for here, plane in ((slaves, i), (masters, k))
-        ]
-        first = np.concatenate(twice)[:, None] if ring else np.zeros((0, 1), np.int64)
-        copies = np.hstack([first, first + ring * (rank.grid.window.stride[0] // RECORD)])
-        self._rows = Rows(
-            slaves, np.where(own, slaves, -1), masters, (near[0], near[1]), (have[0], have[1]),
-            counts, changed, changes[changed], layers, copies,
-        )  # fmt: skip
+        if self._field is not rank.grid.field:
+            self._field = rank.grid.field
+            self._rows = find_rows(rank, self.keys, self.masters, self._changes[0])
         return self._rows
-
-    def exchange(self, values: np.ndarray, rows: Rows, which: int) -> None:
-        """Set the vectors of slaves (0) or masters (1) that other ranks own; collective."""
-        counts = rows.counts[which]
-        if self.comm.size == 1 or not counts.sum():
-            return
-        sent = np.zeros((int(counts.max()), 3))
-        sent[: counts[self.comm.rank]] = values[rows.mine[which]]
-        found = np.empty((self.comm.size, *sent.shape))
-        self.comm.Allgather(sent, found)
-        known = np.arange(len(sent))[None] < counts[:, None]
-        values[rows.shared[which]] = found[known]
 
     @property
     def part(self) -> float:

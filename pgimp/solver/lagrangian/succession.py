@@ -11,6 +11,7 @@ from pgimp.kernels.data.motion import KEPT_VELOCITY
 from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.lagrangian.slaves import take_vectors
 from pgimp.solver.lagrangian.masters import Vertices
+from pgimp.solver.lagrangian.slave_rows import exchange
 from pgimp.solver.lagrangian.slaves import Slaves
 from pgimp.solver.rank_state import RankState
 
@@ -40,7 +41,7 @@ def hand_momentum_over(
     v, known = np.empty((len(slaves.keys), 3)), np.empty((len(slaves.masters), 3))
     for which, (at, found) in enumerate(((rows.own, v), (rows.masters, known))):
         rank.call(take_vectors, values, RECORD, KEPT_VELOCITY, at, found)
-        slaves.exchange(found, rows, which)
+        exchange(rank.comm, found, rows, which)
     of, change = slaves.of[new], np.zeros_like(known)
     share = slaves.weights[new] * slaves.own.sum(axis=0)[new, None]
     np.add.at(change, of, share[..., None] * (v[new, None] - known[of]))

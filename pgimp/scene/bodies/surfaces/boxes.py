@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,13 +42,3 @@ def exists(body: LatticeBody, ranges: Sequence[Indices]) -> NDArray[np.bool_]:
             place.append(slice(low - a, max(low, high) - a))
         there[tuple(place)] = volumes.exists.reshape(shape)[tuple(cut)]
     return there
-
-
-def distinct(values: NDArray[Any]) -> tuple[Indices, Indices]:
-    """First of each of the different rows, in ascending order, and which of these each row is."""
-    order = np.lexsort(values.T[::-1])
-    new = np.ones(len(order), bool)
-    new[1:] = (values[order[1:]] != values[order[:-1]]).any(axis=1)
-    same = np.empty(len(order), np.int64)
-    same[order] = np.cumsum(new) - 1
-    return order[new], same

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from pgimp.geometry.measure import MONOMIALS, measure, pieces
 from pgimp.geometry.regions.base import Region
+from pgimp.geometry.rows import ascending
 from pgimp.scene.bodies.elements import PRODUCTS, Elements, Indices, Reals
 from pgimp.scene.bodies.lattice_body import LatticeBody
 from pgimp.scene.bodies.surfaces.boxes import Closed, combinations, edge
@@ -66,7 +67,7 @@ def _near_boxes(body: LatticeBody, ranges: Sequence[Indices]) -> Indices:
         boxes = boxes[(boxes < last).all(axis=1)]
         found.append(boxes[near(boxes, boxes + 1)])
     boxes = np.concatenate(found)
-    return boxes[np.lexsort(boxes.T[::-1])]
+    return boxes[ascending(boxes)]
 
 
 def _before(number: Indices) -> Indices:
@@ -96,35 +97,38 @@ def _before(number: Indices) -> Indices:
 
 
 def _faces(
-    body: LatticeBody, boxes: tuple[Reals, Reals, Reals], d: int, closed: Closed, count: int,
+    body: LatticeBody, boxes: tuple[Reals, Reals, Reals], closed: Closed, count: int,
     before: Indices,
-) -> list[tuple[Reals, Reals]]:  # fmt: skip
-    """Areas inside on both faces of pieces across an axis, and their moments, (n,) and (n, m).
+) -> list[list[tuple[Reals, Reals]]]:  # fmt: skip
+    """Areas inside on faces of pieces, and their moments, (n,) and (n, m), by axis and side.
 
     `boxes` are low and high corners, and half the thickness of slabs round faces. Pieces have the
     low faces of those `before` them.
     """
     low, high, thin = boxes
-    found: list[tuple[Reals, Reals]] = []
-    for side, at in ((1, high), (-1, low)):
-        own = np.flatnonzero(before < 0) if side < 0 else np.arange(len(low))
-        a, b = low[own], high[own]
-        a[:, d], b[:, d] = at[own, d] - thin[own, d], at[own, d] + thin[own, d]
-        if (d, side) in closed:
-            end = body.edges[d][0 if side < 0 else -1]
-            if side < 0:
-                a[:, d] = np.maximum(a[:, d], end)
-            else:
-                b[:, d] = np.minimum(b[:, d], end)
-        inside, first = measure(body.region, a, b, count, d if body.exact else None)
-        thickness = b[:, d] - a[:, d]
-        face, moments = inside / thickness, first / thickness[:, None]
-        if side < 0:
-            every, means = found[0][0][before], found[0][1][before]
-            every[own], means[own] = face, moments
-            face, moments = every, means
-        found.append((face, moments))
-    return found[::-1]
+    D, n = len(before), len(low)
+    first = [np.flatnonzero(each < 0) for each in before]
+    rows = np.concatenate([each for own in first for each in (np.arange(n), own)])
+    ends = np.cumsum([0, *(n + len(own) for own in first)])
+    a, b, across = low[rows], high[rows], np.repeat(np.arange(D), np.diff(ends))
+    for d, (begin, end, own) in enumerate(zip(ends[:-1], ends[1:], first, strict=True)):
+        at, half = np.concatenate([high[:, d], low[own, d]]), thin[rows[begin:end], d]
+        a[begin:end, d], b[begin:end, d] = at - half, at + half
+        if (d, -1) in closed:
+            a[begin + n : end, d] = np.maximum(a[begin + n : end, d], body.edges[d][0])
+        if (d, 1) in closed:
+            b[begin : begin + n, d] = np.minimum(b[begin : begin + n, d], body.edges[d][-1])
+    inside, moments = measure(body.region, a, b, count, across if body.exact else None)
+    thickness = (b - a)[np.arange(len(a)), across]
+    inside /= thickness
+    moments /= thickness[:, None]
+    found = []
+    for begin, each, own in zip(ends[:-1].tolist(), before, first, strict=True):
+        place = each + begin
+        place[own] = begin + n + np.arange(len(own))
+        upper = slice(begin, begin + n)
+        found.append([(inside[place], moments[place]), (inside[upper], moments[upper])])
+    return found
 
 
 def cut_elements(
@@ -160,11 +164,11 @@ def cut_elements(
     # Pieces without a surface inside, but for their faces, have an element for each of these.
     plain = whole | (volume < _ROUNDING * full) if cuts else np.zeros(n, bool)
     flat = np.flatnonzero(plain)
-    sides, before = [], _before(number)
+    sides: list[tuple[Reals, Reals, Reals, int]] = []
+    faces = _faces(body, (low, high, thin), closed, count, _before(number))
     for d in range(D):
         moment[:, d, d] += volume
-        faces = _faces(body, (low, high, thin), d, closed, count, before[d])
-        for side, (face, first) in zip((-1.0, 1.0), faces, strict=True):
+        for side, (face, first) in zip((-1.0, 1.0), faces[d], strict=True):
             half_size = 0.5 * side * size[:, d]
             area[:, d] -= side * face
             arms = np.zeros((n, D))
@@ -197,7 +201,7 @@ def cut_elements(
         own = flat_ones._replace(area=of_side, moment=moments, second=seconds)
         every.append(own.chosen(some))
     joined = Elements(*map(np.concatenate, zip(*every, strict=True)))
-    return joined.chosen(np.lexsort(joined.box.T[::-1]))
+    return joined.chosen(ascending(joined.box))
 
 
 def _column(axes: tuple[int, ...], d: int) -> int:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pgimp.geometry.regions.base import Region
+from pgimp.geometry.rows import ascending
 from pgimp.scene.bodies.elements import Elements, Indices
 from pgimp.scene.bodies.lattice_body import LatticeBody
 from pgimp.scene.bodies.surfaces.boxes import Closed, edge
@@ -43,4 +44,4 @@ def triangle_elements(
         box, centre, area, np.zeros((len(box), D, D)), np.full((len(box), D), 0.5) * body.size,
         (second * size[:, None])[:, :, None] * normal[:, None],
     )  # fmt: skip
-    return found.chosen(np.flatnonzero(kept)[np.lexsort(box[kept].T[::-1])])
+    return found.chosen(np.flatnonzero(kept)[ascending(box[kept])])

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pgimp.geometry.rows import ascending
 from pgimp.scene.bodies.elements import Elements, Indices
 from pgimp.scene.bodies.lattice_body import LatticeBody
 from pgimp.scene.bodies.surfaces.boxes import Closed, combinations, edge, exists
@@ -46,7 +47,7 @@ def whole_elements(body: LatticeBody, ranges: Sequence[Indices], closed: Closed)
         half = 0.5 * np.where(np.arange(D) == d, 0.0, size)
         parts.append(Elements.flat(box, centre, area, half))
     found = Elements(*map(np.concatenate, zip(*parts, strict=True)))
-    return found.chosen(np.lexsort(found.box.T[::-1]))
+    return found.chosen(ascending(found.box))
 
 
 def face_elements(body: LatticeBody, axis: int, side: int, planes: tuple[int, int]) -> Elements:

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from pgimp.geometry.rows import distinct
 from pgimp.kernels.contact.surfaces.data import Surface
 from pgimp.scene.bodies.surface_patches import radius_of
-from pgimp.scene.bodies.surfaces.boxes import distinct
 
 #: Greatest relative error of areas of rectangles, and of cosines of what is in a plane.
 _EXACT = 1e-6

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pgimp.geometry.rows import distinct, each_once
 from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import needed
 from pgimp.kernels.contact.surfaces.data import Surface, SurfaceCells
@@ -19,7 +20,7 @@ from pgimp.scene.bodies.lattice import Lattice
 from pgimp.scene.bodies.lattice_body import LatticeBody
 from pgimp.scene.bodies.surface_elements import find_elements
 from pgimp.scene.bodies.surface_patches import Facets
-from pgimp.scene.bodies.surfaces.boxes import Closed, distinct
+from pgimp.scene.bodies.surfaces.boxes import Closed
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.grown import grown
 from pgimp.solver.contact.impulses.messages import united
@@ -128,13 +129,13 @@ def table_of(rank: RankState, fields: tuple[int, ...]) -> Table:
     count = 1 + cluster.max(initial=-1)
     members = np.argsort(cluster, kind="stable")
     first = np.concatenate([[0], np.cumsum(np.bincount(cluster, minlength=count))])
-    corners = 2**D
-    of_cell = np.repeat(of, corners)
-    at = np.array([*product((0, 1), repeat=D)])[np.tile(np.arange(corners), len(of))]
-    at += np.rint((cells.low[of_cell, :D] - origin) / cell).astype(np.int64) + frame.ghost
-    corner = cells.corners[of].reshape(-1)
+    each = np.column_stack([cluster[soft], of])
+    owner, of_cell = each[distinct(each)[0]].T
+    at = np.rint((cells.low[of_cell, :D] - origin) / cell).astype(np.int64) + frame.ghost
+    at = (at[:, None] + np.array([*product((0, 1), repeat=D)])).reshape(-1, D)
+    corner = cells.corners[of_cell].reshape(-1)
     turns = (at - numbers[corner, :D]) // np.array(frame.cells)
-    pair = np.column_stack([np.repeat(cluster[soft], corners), corner, turns])
+    pair = np.column_stack([np.repeat(owner, 2**D), corner, turns])
     owner, corner, *turns = pair[distinct(pair)[0]].T
     return Table(
         surface, cells, numbers, keys, first, members, body[members[first[:-1]]],
@@ -242,7 +243,7 @@ def _cells(
                 )
             )
     row, moved, which, weight = (np.concatenate(each) for each in zip(*entries, strict=True))
-    every = np.unique(np.concatenate([corners, moved]))
+    every = each_once(np.concatenate([corners, moved]))
     column = np.searchsorted(every, moved)
     pairs = np.column_stack([row, column])
     first, entry = distinct(pairs)
@@ -345,6 +346,6 @@ def _around(
     """Patches beside each patch, given those of facets, see `Table`, and neighbours of these."""
     count = 1 + int(patch.max(initial=-1))
     own, other = np.repeat(patch, np.diff(start)), patch[beside]
-    keys = np.unique((own * count + other)[own != other])
+    keys = each_once((own * count + other)[own != other])
     own, other = np.divmod(keys, max(count, 1))
     return np.concatenate([[0], np.cumsum(np.bincount(own, minlength=count))]), other

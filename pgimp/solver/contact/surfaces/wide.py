@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from pgimp.geometry.rows import distinct
 from pgimp.kernels.contact.impulses.pairs import SeparatingWalls
 from pgimp.kernels.contact.surfaces.nearest import FLAT
-from pgimp.scene.bodies.surfaces.boxes import distinct
 from pgimp.solver.contact.surfaces.table import Table
 
 #: Greatest relative error of areas of rectangles, and cosines' and places' of what is in a plane.

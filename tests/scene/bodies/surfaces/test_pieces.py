@@ -33,7 +33,7 @@ def test_sections_of_a_ball_are_disks():
     row, j, k = np.array(cells).T
     a, b = low[row], high[row]
     a[:, 1], b[:, 1], a[:, 2], b[:, 2] = y[j], y[j + 1], y[k], y[k + 1]
-    volume, moment = measure(ball, a, b, 4, across=0)
+    volume, moment = measure(ball, a, b, 4, across=np.zeros(len(a), np.int64))
     middle = 0.5 * (a + b)
     area = volume / (b - a)[:, 0]
     sums = np.bincount(row, area)
