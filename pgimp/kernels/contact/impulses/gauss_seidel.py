@@ -4,7 +4,7 @@ The velocity w at a pair follows from those of the vertices j that move the body
 
     w_i = sum_j B_ij v_j,
 
-with the weights of a patch (`pgimp.kernels.contact.surfaces.rows`). A body in the current
+with the weights of a patch (`pgimp.kernels.contact.surfaces.patches.rows`). A body in the current
 configuration has vertex i itself, B_ij = 1 for j = i. An impulse J_i changes v_j by B_ij J_i/m_j,
 and the body's power by J_i . w_i. So momentum is conserved exactly. An impulse also moves
 neighbouring pairs. So impulses are solved together: sweeps over all pairs, each with its true

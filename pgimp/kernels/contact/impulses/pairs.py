@@ -14,7 +14,7 @@ SIDES = -(1 << 20)
 
 #: Ends of a pair: the row of each in `Coupling`, or -1 - n for a rigid end. Then the body of each;
 #: the entry of the law; the vertex, or what stands for it in `find_patch_pairs`; the velocity at
-#: which patches parted before the step, see `pgimp.kernels.contact.surfaces.rows`.
+#: which patches parted before the step, see `pgimp.kernels.contact.surfaces.patches.rows`.
 ENDS = structure(
     ("rows", "i8", 2), ("bodies", "i8", 2), ("law", "i8"), ("vertex", "i8", 3), ("parted", "f8")
 )

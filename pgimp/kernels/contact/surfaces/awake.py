@@ -14,7 +14,6 @@ from pgimp.jit.vectors.rows import load_row
 from pgimp.jit.vectors.simd import lane, pack, vector
 from pgimp.kernels.contact.surfaces.data import CLEAR, KNOWN, PLACE, Patches, turns
 from pgimp.kernels.contact.surfaces.gaps import find_gaps
-from pgimp.kernels.contact.surfaces.levels import law_of
 from pgimp.kernels.contact.surfaces.motion import (
     cofactors,
     cross,
@@ -25,6 +24,7 @@ from pgimp.kernels.contact.surfaces.motion import (
     turned_normal,
 )
 from pgimp.kernels.contact.surfaces.nearest import stays
+from pgimp.kernels.contact.surfaces.patches.levels import law_of
 from pgimp.kernels.rigid.bodies import arm_of
 
 #: Cells by which a patch moves beside another body before the facets next to it are found anew.

@@ -12,7 +12,6 @@ from math import inf, sqrt
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.jit.vectors.simd import lane
 from pgimp.kernels.contact.surfaces.data import CLEAR, turns
-from pgimp.kernels.contact.surfaces.levels import law_of
 from pgimp.kernels.contact.surfaces.motion import cofactors, gradient, set_polynomial, turned_normal
 from pgimp.kernels.contact.surfaces.nearest import (
     ALIKE,
@@ -22,7 +21,8 @@ from pgimp.kernels.contact.surfaces.nearest import (
     pairs_with,
     until_facing,
 )
-from pgimp.kernels.contact.surfaces.pressed import facing_part
+from pgimp.kernels.contact.surfaces.patches.levels import law_of
+from pgimp.kernels.contact.surfaces.patches.pressed import facing_part
 from pgimp.kernels.contact.surfaces.spread import (
     add_offset,
     find_pieces,

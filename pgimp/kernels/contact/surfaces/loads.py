@@ -5,8 +5,8 @@ A pair of a patch and another body has one impulse. Its pressure on the facets k
     q_k = max(0, alpha + beta . xi_k),   sum_k A_k q_k = 1,   sum_k A_k q_k xi_k = 0,
 
 with the places xi_k from that of the pair, along the surface: see
-`pgimp.kernels.contact.surfaces.pressed`. So force and moment are those of the pair. The other body
-has the opposite, on its facets around these places.
+`pgimp.kernels.contact.surfaces.patches.pressed`. So force and moment are those of the pair. The
+other body has the opposite, on its facets around these places.
 """
 
 from math import sqrt
@@ -17,8 +17,8 @@ from pgimp.kernels.contact.data import impulse_of
 from pgimp.kernels.contact.impulses.gauss_seidel import load_pair
 from pgimp.kernels.contact.impulses.pairs import SIDES
 from pgimp.kernels.contact.surfaces.data import turns
-from pgimp.kernels.contact.surfaces.levels import end_of_patch, entry_of
-from pgimp.kernels.contact.surfaces.pressed import pressing
+from pgimp.kernels.contact.surfaces.patches.levels import end_of_patch, entry_of
+from pgimp.kernels.contact.surfaces.patches.pressed import pressing
 
 #: Columns of the loads: impulse; its part along normals, positive in compression; the way that the
 #: other body slid while it pressed; energy of friction. Then scratch of a step: the impulse along

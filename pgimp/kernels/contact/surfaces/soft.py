@@ -284,8 +284,8 @@ def solve_softly(contact, free, kept, pairs, coupling, solved, room, limits) -> 
         Last that of `solve_groups`.
     limits : (float, float, float, float), (int, float)
         The step; least area of a patch in its weight; the length by which overlaps end in a step,
-        see `pgimp.kernels.contact.surfaces.rows`, beyond what compliance takes; the gap at which a
-        patch may bear. Then the accuracy, see `solve_groups`.
+        see `pgimp.kernels.contact.surfaces.patches.rows`, beyond what compliance takes; the gap at
+        which a patch may bear. Then the accuracy, see `solve_groups`.
     """
     (contact_pairs, _, _), (softened, answer, scratch, sweeping) = pairs, room
     (sizes, accuracy), sums = limits, scratch[0]

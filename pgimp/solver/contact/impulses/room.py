@@ -11,7 +11,7 @@ from pgimp.kernels.contact.impulses.coupling import Coupling
 from pgimp.kernels.contact.impulses.pairs import ENDS, ContactPairs
 from pgimp.kernels.contact.impulses.rows import Solved
 from pgimp.kernels.contact.surfaces.groups import PREPARED
-from pgimp.kernels.contact.surfaces.levels import GATHERED, NUMBERED
+from pgimp.kernels.contact.surfaces.patches.levels import GATHERED, NUMBERED
 
 #: Cells whose sums a row has at once.
 _CELLS = 16

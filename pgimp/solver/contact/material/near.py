@@ -22,8 +22,8 @@ from pgimp.kernels.contact.material.particles import (
     sort_material,
 )
 from pgimp.kernels.contact.surfaces.data import Surface, SurfaceCells, no_facets
-from pgimp.kernels.contact.surfaces.levels import NEAR
 from pgimp.kernels.contact.surfaces.motion import move_facets
+from pgimp.kernels.contact.surfaces.patches.levels import NEAR
 from pgimp.kernels.contact.surfaces.search import keys_of_vertices
 from pgimp.kernels.grid.conditions import Holding
 from pgimp.mpi.communicator import Communicator

@@ -26,10 +26,10 @@ from pgimp.kernels.contact.impulses.rows import Solved
 from pgimp.kernels.contact.surfaces.data import Patches, Surface, SurfaceCells, no_facets
 from pgimp.kernels.contact.surfaces.gaps import find_gaps
 from pgimp.kernels.contact.surfaces.groups import book_groups
-from pgimp.kernels.contact.surfaces.levels import TOUCHES
 from pgimp.kernels.contact.surfaces.loads import add_loads
 from pgimp.kernels.contact.surfaces.motion import read_vertices
-from pgimp.kernels.contact.surfaces.rows import PARTS, find_patch_pairs
+from pgimp.kernels.contact.surfaces.patches.levels import TOUCHES
+from pgimp.kernels.contact.surfaces.patches.rows import PARTS, find_patch_pairs
 from pgimp.kernels.contact.surfaces.soft import LEAST_AREA, solve_softly
 from pgimp.kernels.data.ledger import CONTACT_AREA, Ledger
 from pgimp.kernels.grid.conditions import Holding

@@ -7,9 +7,9 @@ import pytest
 
 from pgimp.jit.kernel import kernel
 from pgimp.kernels.contact.surfaces.data import Surface, no_facets
-from pgimp.kernels.contact.surfaces.levels import GATHERED, NUMBERED, gather, level
 from pgimp.kernels.contact.surfaces.nearest import next_facet
-from pgimp.kernels.contact.surfaces.pressed import facing_part
+from pgimp.kernels.contact.surfaces.patches.levels import GATHERED, NUMBERED, gather, level
+from pgimp.kernels.contact.surfaces.patches.pressed import facing_part
 
 WIDTH = 0.01
 

@@ -5,9 +5,9 @@ import pytest
 
 from pgimp.jit.kernel import kernel
 from pgimp.kernels.contact.surfaces.data import Surface, no_facets
-from pgimp.kernels.contact.surfaces.levels import GATHERED, NUMBERED, WEIGHT, gather
 from pgimp.kernels.contact.surfaces.loads import _find_pressure
-from pgimp.kernels.contact.surfaces.pressed import pressed_area, pressing
+from pgimp.kernels.contact.surfaces.patches.levels import GATHERED, NUMBERED, WEIGHT, gather
+from pgimp.kernels.contact.surfaces.patches.pressed import pressed_area, pressing
 
 
 @kernel

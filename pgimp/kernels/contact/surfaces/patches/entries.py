@@ -3,7 +3,7 @@
 from pgimp.jit.kernel import inner_kernel
 from pgimp.jit.vectors.lanes import sum_of
 from pgimp.jit.vectors.rows import load_row, store_row
-from pgimp.kernels.contact.surfaces.levels import FACET, NUMBER, WEIGHT
+from pgimp.kernels.contact.surfaces.patches.levels import FACET, NUMBER, WEIGHT
 from pgimp.kernels.contact.surfaces.spread import spread_weights
 
 

@@ -1,7 +1,7 @@
 """Pairs of a patch and another body, and their rows of the coupling matrix.
 
-The gap G of a patch is that of `pgimp.kernels.contact.surfaces.levels`, with weights W_k of its
-facets. So the constraint G >= 0 acts where the patch touches. It neither takes nor gives energy: it
+The gap G of a patch is that of `pgimp.kernels.contact.surfaces.patches.levels`, with weights W_k
+of its facets. So the constraint G >= 0 acts where the patch touches. It neither takes nor gives energy: it
 is holonomic. The velocity at the patch is the mean
 
     w = sum_k W_k sum_j N_j(X_k) v_j.
@@ -26,8 +26,8 @@ from pgimp.kernels.contact.impulses.coupling import release_across, set_answer, 
 from pgimp.kernels.contact.impulses.pairs import SIDES
 from pgimp.kernels.contact.impulses.reference_grid import OF_VELOCITY, OF_VELOCITY_BEFORE
 from pgimp.kernels.contact.impulses.warm_start import find_kept
-from pgimp.kernels.contact.surfaces.entries import add_row
-from pgimp.kernels.contact.surfaces.levels import (
+from pgimp.kernels.contact.surfaces.patches.entries import add_row
+from pgimp.kernels.contact.surfaces.patches.levels import (
     AREA,
     FACET,
     FADES,
@@ -41,8 +41,8 @@ from pgimp.kernels.contact.surfaces.levels import (
     law_of,
     level,
 )
-from pgimp.kernels.contact.surfaces.pressed import pressed_area
-from pgimp.kernels.contact.surfaces.stiff import (
+from pgimp.kernels.contact.surfaces.patches.pressed import pressed_area
+from pgimp.kernels.contact.surfaces.patches.stiff import (
     are_stiff,
     foresee,
     free_acceleration,

@@ -1,14 +1,14 @@
 """The part of a patch that presses on another body.
 
-The weights of a patch say where it touches, see `pgimp.kernels.contact.surfaces.rows`. Between
-curved surfaces that is a part of it, in its middle, although all of it presses. So the pressure is
+The weights of a patch say where it touches, see `pgimp.kernels.contact.surfaces.patches.rows`.
+Between curved surfaces that is a part of it, in its middle, although all of it presses. So the pressure is
 taken as that under a footing: linear, without tension, with the force in the same line.
 """
 
 from math import inf
 
 from pgimp.jit.kernel import inner_kernel
-from pgimp.kernels.contact.surfaces.levels import FACET, FACING, GAP, WEIGHT
+from pgimp.kernels.contact.surfaces.patches.levels import FACET, FACING, GAP, WEIGHT
 
 #: Cells by which gaps of facets under pressure are above the least of their patch, at most: the
 #: sagitta of a cell on a disk with a radius of two cells.

@@ -9,8 +9,8 @@ at rest. They reach to the ends of facets.
 from math import inf, sqrt
 
 from pgimp.jit.kernel import inlined, inner_kernel, is_record
-from pgimp.kernels.contact.surfaces.levels import FACET, GAP, NUMBER
 from pgimp.kernels.contact.surfaces.nearest import PLANE
+from pgimp.kernels.contact.surfaces.patches.levels import FACET, GAP, NUMBER
 from pgimp.kernels.rigid.bodies import arm_of, move_freely
 
 #: As `FADES`, in cells, and over the way by which a patch comes nearer in a step: below that of an

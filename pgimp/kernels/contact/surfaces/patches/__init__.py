@@ -1,0 +1,1 @@
+"""Contact of bodies by their own surfaces: gaps, shares of patches, rows."""
