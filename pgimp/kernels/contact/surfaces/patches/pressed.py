@@ -1,8 +1,8 @@
 """The part of a patch that presses on another body.
 
 The weights of a patch say where it touches, see `pgimp.kernels.contact.surfaces.patches.rows`.
-Between curved surfaces that is a part of it, in its middle, although all of it presses. So the pressure is
-taken as that under a footing: linear, without tension, with the force in the same line.
+Between curved surfaces that is a part of it, in its middle, although all of it presses. So the
+pressure is taken as that under a footing: linear, without tension, with the force in the same line.
 """
 
 from math import inf

@@ -1,8 +1,8 @@
 """Pairs of a patch and another body, and their rows of the coupling matrix.
 
-The gap G of a patch is that of `pgimp.kernels.contact.surfaces.patches.levels`, with weights W_k
-of its facets. So the constraint G >= 0 acts where the patch touches. It neither takes nor gives energy: it
-is holonomic. The velocity at the patch is the mean
+The gap G of a patch is that of `pgimp.kernels.contact.surfaces.patches.levels`, with weights W_k of
+its facets. So the constraint G >= 0 acts where the patch touches. It neither takes nor gives
+energy: it is holonomic. The velocity at the patch is the mean
 
     w = sum_k W_k sum_j N_j(X_k) v_j.
 
