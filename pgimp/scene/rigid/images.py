@@ -66,7 +66,7 @@ def place(
     motion : Motion or sequence of float
         How it moves; of a free body the image of its centre that is within the domain.
     """
-    row["centre"], row["rotation"].flat = pose
+    row["centre"], row["rotation"].flat[:] = pose
     if middle is None:
         return
     # No matrix product: machines may round it differently.
