@@ -271,13 +271,13 @@ class SurfaceContact(ImpulseContact):
         self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved
     ) -> None:
         """See `ImpulseContact._sweep`; rigid bodies rebound."""
-        sweep = partial(self._sweep_groups, free, pairs, coupling, solved)
         self._by_group = grouped = Grouped.of(pairs, self._proximity.groups)
-        if self._rebounds:
-            states = solved.velocity, solved.held_impulse
-            self._rebounds.solve(self.rigid_bodies, pairs, grouped, states, sweep)
-        else:
-            sweep()
+        if not self._rebounds:
+            self._sweep_groups(free, pairs, coupling, solved)
+            return
+        sweep = partial(self._sweep_groups, free, pairs, coupling, solved)
+        states = solved.velocity, solved.held_impulse
+        self._rebounds.solve(self.rigid_bodies, pairs, grouped, states, sweep)
 
     def _sweep_groups(
         self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved
