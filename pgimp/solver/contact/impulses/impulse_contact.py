@@ -125,9 +125,9 @@ class ImpulseContact(NoContact):
 
     def _changes(self, keys: np.ndarray, vertices: np.ndarray, solved: Solved) -> Changes:
         """What the impulses have changed, of the vertices where there is any."""
-        changes = self._room.changes(len(keys))
-        found = self.call(find_changed, keys, vertices, solved, changes)
-        return changes if found == len(keys) else Changes(*(each[:found] for each in changes))
+        room = self._room
+        into = room.changes(len(keys))
+        return room.changed(self.call(find_changed, keys, vertices, solved, into))
 
     def _sweep(
         self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved

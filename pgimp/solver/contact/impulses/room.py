@@ -107,6 +107,10 @@ class Room:
         """Room for what impulses change at so many vertices."""
         return self._once("changes", self._changes, vertices)
 
+    def changed(self, vertices: int) -> Changes:
+        """What is filled of it, without a copy."""
+        return self._once("changed", self._changes, vertices)
+
     def _changes(self, vertices: int) -> Changes:
         have = self._have
         return Changes(
