@@ -64,8 +64,8 @@ def main():
     disks = heap(given.count, given.radius, given.spread, given.drum, given.seed)
     for number, (x, y, radius) in enumerate(disks, 1):
         ball = f"{{centre: [{x:.4f}, {y:.4f}], radius: {radius:.3f}}}"
-        entry = f"{{material: gel, surface: whole-particles, region: {{ball: {ball}}}}}"
-        print(f"  g{number:03d}: {entry}")
+        print(f"  g{number:03d}: {{material: gel, surface: whole-particles,")
+        print(f"         region: {{ball: {ball}}}}}")
 
 
 if __name__ == "__main__":

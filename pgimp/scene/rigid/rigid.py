@@ -100,7 +100,6 @@ class SceneRigidBodies:
         self._kept: RigidBodies | None = None
         self._placed: dict[int, tuple] = {}
         self._poses: dict[int, tuple[float, Pose]] = {}
-        self._velocities: dict[int, tuple[float, tuple[Triple, Triple]]] = {}
         self._own_ends: list[list[list[float]]] = []
 
     def __len__(self) -> int:
@@ -232,14 +231,6 @@ class SceneRigidBodies:
             return self._poses[number][1]
         return self.free[number].pose(free[number])
 
-    def velocities(self, number: int, time: float) -> tuple[Triple, Triple]:
-        """Return velocity and angular velocity of a prescribed body at a time."""
-        if self._velocities.get(number, (None,))[0] != time:  # as `pose`
-            motion = self.entries[number].rigid
-            assert isinstance(motion, Motion)
-            self._velocities[number] = time, motion.velocities(time)
-        return self._velocities[number][1]
-
     def nearest(self, name: str, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return points that lie to a body at the start as `x`, (n, D), do to its nearest image."""
         field = self.fields[self.names.index(name)]
@@ -266,7 +257,7 @@ class SceneRigidBodies:
             row, lattice = rigid_bodies.motion[number], rigid_bodies.lattice[number]
             pose = self.pose(number, start, free)
             if isinstance(motion := self.entries[number].rigid, Motion):
-                before, after = self.velocities(number, start), self.velocities(number, end)
+                before, after = motion.velocities(start), motion.velocities(end)
                 placed = (pose, before, after, motion.displacement(start))
                 if self._placed.get(number) == placed:  # it waits for its time
                     continue

@@ -13,6 +13,7 @@ from pgimp.kernels.data.ledger import RIGID_WORK
 from pgimp.kernels.data.particles import Particles
 from pgimp.kernels.rigid.bodies import RigidBodies
 from pgimp.mpi.communicator import Communicator
+from pgimp.physics.rigid import Motion
 from pgimp.scene.rigid.free_body import State
 from pgimp.scene.rigid.rigid import SceneRigidBodies
 from pgimp.scene.rigid.rotation import solve
@@ -35,10 +36,10 @@ def placed(rigid_bodies: SceneRigidBodies, time: float, states: list[State] | No
     motion = kept.motion.copy()
     free = dict(zip(rigid_bodies.free, states, strict=True))
     for number in rigid_bodies.moving:
-        row = motion[number]
+        row, rigid = motion[number], rigid_bodies.entries[number].rigid
         rigid_bodies.place(row, number, rigid_bodies.pose(number, time, free), time, free)
-        if number not in free:
-            linear, angular = rigid_bodies.velocities(number, time)
+        if isinstance(rigid, Motion):
+            linear, angular = rigid.velocities(time)
             row["velocity_after"] = linear + angular
     for (number, body), state in zip(rigid_bodies.free.items(), states, strict=True):
         motion["velocity_after"][number] = body.velocities(state)
