@@ -144,7 +144,9 @@ def find_excursion(frame, x, body, rows, boxes):
         b = body[p]
         for d in range(len(frame.cell)):
             at = (x[p, d] - frame.origin[d]) * frame.inverse[d]
-            most = max(most, boxes[0, b, d] - at, at - boxes[1, b, d])
+            out = max(boxes[0, b, d] - at, at - boxes[1, b, d])
+            if out > most:  # rarely true: avoids the latency of a chain
+                most = out
     return most
 
 

@@ -45,9 +45,6 @@ class PenetrationLimits(NamedTuple):
     """Data to hold particles out of rigid bodies in a step."""
 
     rigid_bodies: RigidBodies  #: The rigid bodies at their positions of the step's end.
-    #: (rigid bodies, 3, 4) float64: How a position is turned into the number of a block of each
-    #: body's lattice, by direction: factors of x, y, z, and a number added.
-    blocks: np.ndarray
     pairs: Pairs  #: The laws of contact.
     #: (rigid bodies, 6, 6) float64: Velocities along and about x, y, z of a free body per impulse
     #: and moment. They are times the greatest mass of the particles that it may hold; 0 for others.
@@ -72,7 +69,7 @@ def project_out(limits, forcing, particles, four, x, v, ledger):
     if not is_record(limits):
         return (x, v)
     near, held = 0, 0
-    for t in range(len(limits.blocks)):
+    for t in range(len(limits.rigid_bodies.motion)):
         near |= _may_be_within(limits, t, x)
     if near != 0:
         for j in range(four.size):
@@ -86,17 +83,6 @@ def project_out(limits, forcing, particles, four, x, v, ledger):
     return x, v
 
 
-def blocks_of(rigid_bodies: RigidBodies) -> np.ndarray:
-    """See `PenetrationLimits.blocks`."""
-    motion, found = rigid_bodies.motion, np.empty((len(rigid_bodies.motion), 3, 4))
-    turn, spacing = motion["rotation"], motion["spacing"][:, None]
-    found[:, :, :3] = turn.transpose(0, 2, 1)
-    found[:, :, 3] = motion["reference"] - motion["low"] + 0.5 * spacing
-    found[:, :, 3] -= np.einsum("nkd,nk->nd", turn, motion["centre"])
-    found /= BLOCK * spacing[:, None]
-    return found
-
-
 @inlined
 def _may_be_within(limits, t, x):
     """Bits of those of four points that may be within a lattice's spacing of body `t`.
@@ -105,17 +91,18 @@ def _may_be_within(limits, t, x):
     """
     if repeat(limits.rigid_bodies):
         return 15
-    lattice, blocks, at = limits.rigid_bodies.lattice[t], limits.blocks[t], vector(0.0)
+    row, lattice, at = limits.rigid_bodies.motion[t], limits.rigid_bodies.lattice[t], vector(0.0)
+    by = 1.0 / (BLOCK * row.spacing)
     for d in range(len(x)):
-        place = vector(blocks[d, 3])
+        place = vector((row.reference[d] - row.low[d]) * by + 0.5 / BLOCK)
         for k in range(len(x)):
-            place = place + blocks[d, k] * x[k]
+            place = place + row.rotation[k, d] * by * (x[k] - row.centre[k])
         count = float((lattice.points[d] + BLOCK - 1) // BLOCK)
         at = at * count + min(max(floor(place), 0.0), count - 1.0)
-    found, spacing = 0, limits.rigid_bodies.motion[t].spacing
+    found = 0
     for j in range(4):
         first = lattice.first_block + int(lane(at, j))
-        found |= (limits.rigid_bodies.blocks[first] < spacing) << j
+        found |= (limits.rigid_bodies.blocks[first] < row.spacing) << j
     return found
 
 

@@ -66,7 +66,7 @@ def place(
     motion : Motion or sequence of float
         How it moves; of a free body the image of its centre that is within the domain.
     """
-    row["centre"], row["rotation"] = pose[0], np.reshape(pose[1], (3, 3))
+    row["centre"], row["rotation"].flat[:] = pose
     if middle is None:
         return
     # No matrix product: machines may round it differently.

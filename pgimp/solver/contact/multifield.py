@@ -80,7 +80,6 @@ class MultifieldContact(NoContact):
         self._boxes = np.empty((2, 0, scene.dimension))  # of the last search, or of none so far
         self._margin, self._moved = MARGIN, [0.0, 0.0]  # how far they may move, and have moved
         self._taken = self._noted = 0  # steps since then, and those of which ranks have heard
-        self._intervals = np.empty((0, 2))
         self._where: Any = None
         self._rows = np.empty(0, np.int32)
         self._volumes = VertexSums(scene, comm, volume_sums(scene.settings.shape))
@@ -110,8 +109,7 @@ class MultifieldContact(NoContact):
         """Use given fields, or those for the boxes of the bodies, until the next search."""
         self.fields = fields or assign(self._boxes, self._reach)
         self._margin = margin_of(self._boxes, self._reach, self.fields)
-        wide = 2.0 * self._margin + self._reach
-        self._intervals, self._where = where_near(self._boxes, wide, self.fields), None
+        self._where = None
         if self.fields != rank.grid.fields:
             rank.grid.regroup(self.fields)
 
@@ -286,8 +284,9 @@ class MultifieldContact(NoContact):
         if self.scene.interaction.rigid_bodies:
             return np.ones(grid.planes, bool)
         first, planes = int(grid.window.lower[0]) - self.scene.domain.frame.ghost, grid.planes
-        begin = np.clip(np.ceil(self._intervals[:, 0]) - first, 0, planes).astype(np.int64)
-        end = np.clip(np.floor(self._intervals[:, 1]) + 1 - first, 0, planes).astype(np.int64)
+        intervals = where_near(self._boxes, 2.0 * self._margin + self._reach, self.fields)
+        begin = np.clip(np.ceil(intervals[:, 0]) - first, 0, planes).astype(np.int64)
+        end = np.clip(np.floor(intervals[:, 1]) + 1 - first, 0, planes).astype(np.int64)
         more, less = (np.bincount(each, minlength=planes + 1) for each in (begin, end))
         return np.cumsum(more - less)[:planes] > 0
 
@@ -319,8 +318,10 @@ class MultifieldContact(NoContact):
         ranges = self.data.vertex_ranges.view(np.int64).reshape(-1, 2, 2)  # others are empty
         if any(self.scene.domain.periodic):  # also particles at the other side of a seam are near
             return order
-        y, z = (ranges[:, 1].max(axis=0) - ranges[:, 0].min(axis=0) + 1).tolist()
-        if not needed(y * z <= _MOST_OF_A_PLANE * extent[1] * extent[2]):
+        part = 1.0
+        for d in range(1, self.scene.dimension):
+            part *= (ranges[:, 1, d - 1].max() - ranges[:, 0, d - 1].min() + 1) / extent[d]
+        if not needed(part <= _MOST_OF_A_PLANE):
             return order
         if len(self._rows) < len(order.rows):
             self._rows = np.empty(len(order.rows) * 9 // 8, np.int32)

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from pgimp.jit.bound import Bound
-from pgimp.kernels.contact.hold import PenetrationLimits, blocks_of, count_inside, count_near
+from pgimp.kernels.contact.hold import PenetrationLimits, count_inside, count_near
 from pgimp.kernels.data.arguments import Forcing, Order
 from pgimp.kernels.data.ledger import RIGID_WORK
 from pgimp.kernels.data.particles import Particles
-from pgimp.kernels.rigid.bodies import RigidBodies
+from pgimp.kernels.rigid.bodies import MOTION, RigidBodies
 from pgimp.mpi.communicator import Communicator
 from pgimp.physics.rigid import Motion
 from pgimp.scene.rigid.free_body import State
@@ -33,7 +33,7 @@ def placed(rigid_bodies: SceneRigidBodies, time: float, states: list[State] | No
     kept, states = rigid_bodies.arrays(), rigid_bodies.first if states is None else states
     if not kept.motion["rotation"].any():  # never placed yet
         rigid_bodies.at(time, time, states)
-    motion = kept.motion.copy()
+    motion = kept.motion.view(np.float64).copy().view(MOTION)  # all at once, not field by field
     free = dict(zip(rigid_bodies.free, states, strict=True))
     for number in rigid_bodies.moving:
         row, rigid = motion[number], rigid_bodies.entries[number].rigid
@@ -70,9 +70,7 @@ class PenetrationCorrection(StepPart):
             if free:
                 mass = self._near(bodies, population.columns, population.order)
                 self._set_compliance(free, mass)
-            self._kept = PenetrationLimits(
-                bodies, blocks_of(bodies), pairs, self._compliance, self._impulses
-            )
+            self._kept = PenetrationLimits(bodies, pairs, self._compliance, self._impulses)
         return forcing._replace(limits=self._kept)
 
     def _set_compliance(self, free: FreeBodies, mass: np.ndarray) -> None:

@@ -12,7 +12,7 @@ from pgimp.kernels.contact.data import Contact
 from pgimp.kernels.contact.impulses.books import book_contacts
 from pgimp.kernels.contact.impulses.coupling import Coupling
 from pgimp.kernels.contact.impulses.pairs import ContactPairs
-from pgimp.kernels.contact.impulses.reference_grid import NUMBERS, Changes, ReferenceVertices
+from pgimp.kernels.contact.impulses.reference_grid import NUMBERS, Changes
 from pgimp.kernels.contact.impulses.rows import Solved, begin_solution
 from pgimp.kernels.contact.surfaces.groups import find_changed, solve_groups
 from pgimp.kernels.data.ledger import Ledger
@@ -119,16 +119,15 @@ class ImpulseContact(NoContact):
         call(begin_solution, free.frame, vertices, coupling, solved)
         self._sweep(free, pairs, coupling, solved)
         self._warm_start.keep(pairs, coupling, solved, vertices, self._dt)
-        changes = self._changes(known, solved)
+        changes = self._changes(known.keys, vertices, solved)
         self._book(free, pairs, coupling, solved, vertices, ledger)
         return changes
 
-    def _changes(self, known: ReferenceVertices, solved: Solved) -> Changes:
+    def _changes(self, keys: np.ndarray, vertices: np.ndarray, solved: Solved) -> Changes:
         """What the impulses have changed, of the vertices where there is any."""
-        keys, values = known
-        changes = Changes(np.empty(len(keys), np.int64), *np.empty((2, len(keys), 3)))
-        found = self.call(find_changed, keys, flat(values), solved, changes)
-        return Changes(changes.keys[:found], changes.velocities[:found], changes.held[:found])
+        room = self._room
+        into = room.changes(len(keys))
+        return room.changed(self.call(find_changed, keys, vertices, solved, into))
 
     def _sweep(
         self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved

@@ -85,10 +85,13 @@ class SurfaceContact(ImpulseContact):
         self.loads = SurfaceLoads(comm) if scene.case.output.surface else None
         self._every = no_facets(0)
         self._moved: Any = None  # cells, and displacements of the surface vertices
+        self._read: Any = (None,)  # room for what the share's vertices have
         rigid_bodies = scene.interaction.rigid_bodies
         names = [*scene.body_names, *rigid_bodies.names]
         self._watch, self._depth = OverrunWatch(scene, names), Depth(scene, names)
         self._books: tuple[np.ndarray, Ledger] | None = None
+        self._ascending: Any = (None, False)
+        self._planes: Any = None  # see `books_of`; as long as there are as many groups
         self._by_group: Grouped | None = None
         self._rebounds = rebounds_of(scene)
         first = self._walls.first
@@ -231,10 +234,10 @@ class SurfaceContact(ImpulseContact):
         """The pairs of surfaces in the rank's groups; collective."""
         call, grid, share, proximity = self.call, rank.grid, self._proximity.share, self._proximity
         surface, cells, every = table.every, share.cells, proximity.candidates
-        values, u = (
-            np.empty(len(share.records), REFERENCE_VERTEX),
-            np.empty((len(share.records), 4)),
-        )
+        if self._read[0] is not share:
+            count = len(share.records)
+            self._read = share, np.empty(count, REFERENCE_VERTEX), np.empty((count, 4))
+        _, values, u = self._read
         call(read_vertices, self._holding(update), grid.field, share.sent, share.records, values, u)
         u, values = share.gather(self.comm, u, values)
         dt, self._moved = update.t.dt, (cells, u)
@@ -257,7 +260,10 @@ class SurfaceContact(ImpulseContact):
             self._warm_start.clear()
         add_books(self.comm, self._proximity.root, self._books, ledger)
         answers = self.rigid_bodies.responses["trial_impulse"] if self.free else np.empty(0)
-        changes = share_changes(self.comm, changes, answers)
+        keys = joint.vertices.keys if joint is not None else changes.keys
+        if self._ascending[0] is not keys:  # the same until the next search
+            self._ascending = keys, bool((keys[1:] > keys[:-1]).all())
+        changes = share_changes(self.comm, changes, answers, self._ascending[1])
         if not needed(len(changes.keys)):
             return
         if scene.domain.periodic[0]:
@@ -271,13 +277,13 @@ class SurfaceContact(ImpulseContact):
         self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved
     ) -> None:
         """See `ImpulseContact._sweep`; rigid bodies rebound."""
-        sweep = partial(self._sweep_groups, free, pairs, coupling, solved)
         self._by_group = grouped = Grouped.of(pairs, self._proximity.groups)
-        if self._rebounds:
-            states = solved.velocity, solved.held_impulse
-            self._rebounds.solve(self.rigid_bodies, pairs, grouped, states, sweep)
-        else:
-            sweep()
+        if not self._rebounds:
+            self._sweep_groups(free, pairs, coupling, solved)
+            return
+        sweep = partial(self._sweep_groups, free, pairs, coupling, solved)
+        states = solved.velocity, solved.held_impulse
+        self._rebounds.solve(self.rigid_bodies, pairs, grouped, states, sweep)
 
     def _sweep_groups(
         self, free: Holding, pairs: ContactPairs, coupling: Coupling, solved: Solved
@@ -301,7 +307,12 @@ class SurfaceContact(ImpulseContact):
         """See `ImpulseContact._book`; of each group alone."""
         grouped = self._by_group
         assert grouped is not None
-        self._books = grouped.number, books_of(ledger, len(grouped.number))
+        count = len(grouped.number)
+        if self._planes and count == len(self._planes[1].work):
+            self._planes[0].fill(0.0)
+        else:
+            self._planes = books_of(ledger, count)
+        self._books = grouped.number, self._planes[1]
         own = grouped.chosen(pairs), grouped.first
         of = self._contact, free, own, coupling, solved, vertices
         self.call(book_groups, *of, self._walls, self._books[1])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -97,7 +98,7 @@ class Grouped(NamedTuple):
         """Sort pairs by group."""
         count = len(pairs.ends)
         if len(groups.rank) < 2 and count:
-            return cls(np.arange(count), np.array([0, count]), np.zeros(1, np.int64), True)
+            return _one_group(count)
         number = groups.number(pairs.ends["bodies"])
         order = np.argsort(number, kind="stable")
         first = np.flatnonzero(np.diff(number[order], prepend=-1))
@@ -109,10 +110,19 @@ class Grouped(NamedTuple):
         return pairs if self.sorted else pairs.chosen(self.order)
 
 
-def books_of(ledger: Ledger, count: int) -> Ledger:
-    """Empty books of as many groups, a plane each."""
-    every = {name: np.zeros((count, *getattr(ledger, name).shape[1:])) for name in _BOOKED}
-    return ledger._replace(**every)
+@lru_cache(8)
+def _one_group(count: int) -> Grouped:
+    """So many pairs in one group; they are the same in most steps."""
+    return Grouped(np.arange(count), np.array([0, count]), np.zeros(1, np.int64), True)
+
+
+def books_of(ledger: Ledger, count: int) -> tuple[np.ndarray, Ledger]:
+    """Empty books of as many groups, a plane each; before them all their numbers as one array."""
+    shapes = [(count, *getattr(ledger, name).shape[1:]) for name in _BOOKED]
+    ends = np.cumsum([int(np.prod(shape, dtype=int)) for shape in shapes])
+    whole = np.zeros(ends[-1])
+    parts = zip(_BOOKED, np.split(whole, ends[:-1]), shapes, strict=True)
+    return whole, ledger._replace(**{name: part.reshape(shape) for name, part, shape in parts})
 
 
 def add_books(
@@ -124,10 +134,12 @@ def add_books(
     """
     if comm.size == 1 and own is None:
         return
-    number, books = own or (np.empty(0, np.int64), books_of(ledger, 0))
+    number, books = own or (np.empty(0, np.int64), books_of(ledger, 0)[1])
     if comm.size == 1 and len(number) == 1:
         for name in _BOOKED:
-            getattr(ledger, name)[0] += getattr(books, name)[0]
+            first = getattr(ledger, name)[:1]
+            if first.size:
+                first += getattr(books, name)
         return
     widths = [int(np.prod(getattr(books, name).shape[1:], dtype=int)) for name in _BOOKED]
     shaped = zip(_BOOKED, widths, strict=True)
@@ -147,14 +159,17 @@ def add_books(
             into[0] += found.reshape(into.shape[1:])
 
 
-def share_changes(comm: Communicator, changes: Changes, extra: np.ndarray) -> Changes:
+def share_changes(
+    comm: Communicator, changes: Changes, extra: np.ndarray, ascending: bool
+) -> Changes:
     """Return what all ranks have changed, by vertex; `extra` float64 are summed in place.
 
-    Collective. Of `extra` each number is 0 on all ranks but one.
+    Collective. Of `extra` each number is 0 on all ranks but one. `ascending` tells whether the keys
+    of this rank's are.
     """
     if extra.size:
         extra[...] = total(comm, extra + 0.0)
-    if comm.size == 1 and (changes.keys[1:] > changes.keys[:-1]).all():
+    if comm.size == 1 and ascending:
         return changes
     mine = np.column_stack([changes.keys.view(float), changes.velocities, changes.held])
     every = mine if comm.size == 1 else swap_parts(comm, [mine] * comm.size)[0]

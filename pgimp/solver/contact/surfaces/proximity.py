@@ -118,6 +118,7 @@ class Proximity:
             np.zeros(1, np.int64), np.empty(0, np.int64), np.empty(0, np.uint8), np.empty(0),
             np.empty((0, KNOWN)),
         )  # fmt: skip
+        self._awake = self.patches
         # Facets that are moved in a step, and how many; the first of each patch that may be.
         self._chosen, self._first = np.empty((2, 0), np.int64)
         self._moves, self._marks = np.zeros(1, np.int64), np.empty(0, np.bool_)
@@ -310,7 +311,9 @@ class Proximity:
             (share.cells, u, values), (dt, self.far), (self.candidates, patches),
             (moving, self.scratch, self._now),
         )  # fmt: skip
-        return patches.first(awake)
+        if awake != len(self._awake.awake):
+            self._awake = patches.first(awake)
+        return self._awake
 
     @property
     def _unwatched(self) -> float:
@@ -371,6 +374,7 @@ class Proximity:
         surface.now[:] = np.inf
         self.share = share_of(self.comm, table, self._moving, self.groups, self._records)
         self.patches = Patches.of(surface, self.candidates)._replace(known=known[here])
+        self._awake = self.patches
         patches, moving = len(table.around[0]) - 1, self.share.moving
         self._chosen = np.empty(len(moving) + 2 * len(mine), np.int64)
         self._marks, self._moves[0] = np.zeros(patches, np.bool_), 0
