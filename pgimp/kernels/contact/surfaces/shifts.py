@@ -1,6 +1,6 @@
-"""How far surfaces have moved relative to each other since facets near others were searched for."""
+"""How far surfaces have moved and turned since facets near others were searched for."""
 
-from math import inf
+from math import inf, sqrt
 
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.kernels.contact.surfaces.motion import placed
@@ -27,9 +27,38 @@ def _shift(surface, cells, moved, f):
     return x, y, z
 
 
+@inlined
+def _rigid_turn(rigid_bodies, poses, surface, f):
+    """Greatest change of a unit vector that turns with a rigid body."""
+    if not is_record(rigid_bodies):
+        return 0.0
+    n, square = surface.body[f] - rigid_bodies.bodies, 0.0
+    for d in range(3):
+        for k in range(3):
+            square += (rigid_bodies.motion[n].rotation[d, k] - poses[n].rotation[d, k]) ** 2
+    return sqrt(0.5 * square)
+
+
+@inner_kernel
+def _turn(frame, cells, moved, c):
+    """Change of a unit vector that turns with the middle of a cell, and of strain as much."""
+    D, square = len(frame.cell), 0.0
+    for d in range(D):
+        bit = 1 << (D - 1 - d)
+        for k in range(D):
+            part = 0.0
+            for corner in range(1 << D):
+                x = moved[cells.corners[c, corner], k]
+                part += x if corner & bit else -x
+            square += (2.0 * part * frame.inverse[d] / (1 << D)) ** 2
+    return sqrt(0.5 * square)
+
+
 @kernel
 def find_shifts(frame, surface, cells, clusters, moved, rigid, ends):
     """Set the least shifts of the facets of clusters, and the least reversed ones, in cells.
+
+    After those the greatest change of their normals, reversed: facets may meet as they turn.
 
     Parameters
     ----------
@@ -39,19 +68,29 @@ def find_shifts(frame, surface, cells, clusters, moved, rigid, ends):
         Shifts of the surface vertices, nan where the rank does not know them.
     rigid : (RigidBodies, (n,) MOTION) or ((), ())
         The rigid bodies, and their motion when shifts were zero.
-    ends : (2, m, D) float64
+    ends : (2, m, D + 1) float64
         inf before; facets are left out whose shifts the rank does not know.
     """
-    (first, members), (rigid_bodies, poses) = clusters, rigid
+    (first, members), (rigid_bodies, poses), D = clusters, rigid, len(frame.cell)
     for c in range(len(first) - 1):
+        before, turn = -1, 0.0
         for n in range(first[c], first[c + 1]):
             f = members[n]
-            if surface.cell[f] >= 0:
+            cell = surface.cell[f]
+            if cell >= 0:
                 x = _shift(surface, cells, moved, f)
             else:
                 x = _rigid_shift(rigid_bodies, poses, surface, f)
             if x[0] == x[0]:
-                for d in range(len(frame.cell)):
+                if n == first[c] or cell != before:
+                    if cell >= 0:
+                        turn = _turn(frame, cells, moved, cell)
+                    else:
+                        turn = _rigid_turn(rigid_bodies, poses, surface, f)
+                    before = cell
+                ends[0, c, D] = min(ends[0, c, D], -turn)
+                ends[1, c, D] = ends[0, c, D]
+                for d in range(D):
                     way = x[d] * frame.inverse[d]
                     ends[0, c, d] = min(ends[0, c, d], way)
                     ends[1, c, d] = min(ends[1, c, d], -way)
@@ -69,22 +108,22 @@ def least_left(pairs, left, most, ends) -> float:
         Cells by which these might move when shifts were zero.
     most : float
         The same of all other pairs.
-    ends : (2, clusters, D) float64
-        See `find_shifts`.
+    ends : (2, clusters, D + 1) float64
+        See `find_shifts`; of turns the cells that they count for, less those that may be.
     """
-    least, (_, count, D) = most, ends.shape
+    least, (_, count, numbers) = most, ends.shape
     for c in range(count):
-        for d in range(D):
+        for d in range(numbers):
             least = min(least, most + 2.0 * min(ends[0, c, d], ends[1, c, d]))
             if ends[0, c, d] == inf:  # nobody knows
                 return -inf
     for k in range(len(pairs)):
         a, b = pairs[k, 0], pairs[k, 1]
-        for d in range(D):
+        for d in range(numbers):
             low, high = 0.0, 0.0
             if b >= 0:
                 low, high = ends[0, b, d], -ends[1, b, d]
-            elif d != -1 - b:
+            elif d != -1 - b and d < numbers - 1:
                 continue
             way = max(-ends[1, a, d] - low, high - ends[0, a, d])
             least = min(least, left[k] - way)

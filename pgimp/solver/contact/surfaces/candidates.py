@@ -28,9 +28,9 @@ from pgimp.solver.rank_state import RankState
 #: Cells by which clusters' boxes reach beyond their vertices.
 _BEYOND = 0.2
 
-#: By how much normals of bodies two cells across turn while their ends move by a cell, in opposite
-#: ways.
-_TURNS = 1.0
+#: By how much cosines between normals may change until the next search: faces beside an edge are
+#: looked at before they face what is beside them. Curved faces may by `MEETS - FACES`.
+TURNED = 0.31
 
 
 class Meeting(NamedTuple):
@@ -191,7 +191,7 @@ def find_candidates(
     """
     surface, frame, most = table.surface, scene.domain.frame, float(reach.max())
     periods, marks, there = scene.domain.periods, np.zeros(len(surface.x), np.uint8), surface
-    turns = max(_TURNS * travel - TURNS, 0.0)
+    turns = TURNED - TURNS
     own = which = np.empty(0, np.int64)
     if periods.any():
         own = meeting.facets

@@ -24,6 +24,7 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.impulses.messages import greatest
 from pgimp.solver.contact.surfaces.candidates import (
+    TURNED,
     boxes_of,
     candidates_of,
     find_candidates,
@@ -44,6 +45,9 @@ _LEAST, _AHEAD = 0.02, 32.0
 
 #: Cells over these by which those are farther from each other that are not watched.
 _WATCHED = 6.0
+
+#: Cells by which bodies move while normals turn by one, of both together, at least.
+_TURNS = 4.0
 
 #: Pieces of facets that are kept within a step, for each candidate, and more for a wide one.
 PIECES, _MORE_PIECES = 3, 4
@@ -328,10 +332,11 @@ class Proximity:
             now, own = np.full(self._before.shape, np.nan), np.flatnonzero(self._shared >= 0)
             records = rank.grid.kept.values.reshape(-1, RECORD)
             now[own] = records.take(self._shared[own], axis=0)[:, U]
-        ends = np.full((2, len(table.body), scene.dimension), np.inf)
+        ends = np.full((2, len(table.body), scene.dimension + 1), np.inf)
         of = table.surface, table.cells, clusters, now - self._before, (rigid, self._poses)
         self.call(find_shifts, scene.domain.frame, *of, ends)
         ends = least(self.comm, ends)
+        ends[:, :, -1] = _TURNS * (ends[:, :, -1] + 0.5 * TURNED) - self._travel
         return float(self.call(least_left, *self._watched, 2.0 * self._unwatched, ends))
 
     def way(self, rank: RankState, dt: float) -> float:

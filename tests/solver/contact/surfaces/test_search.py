@@ -1,5 +1,7 @@
 """The search for surfaces that may meet: its state is the run's, whatever ranks do meanwhile."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from scenes import box, field, scene, start
@@ -77,20 +79,22 @@ def corner():
     )  # fmt: skip
 
 
-def fork(length, width, slot, courant, end):
+def fork(length, width, slot, courant, end, left=3.083, velocity=None, per_cell=2, rough=0.0):
     """A plate bends an arm of a fork: its end turns towards the plate, then it meets the other."""
     height = 2.0 * width + slot
-    whole = box([3.083, 0.0], [3.083 + length, height])["region"]
-    gap = box([3.083 + width, width], [12.9, width + slot])["region"]
+    whole = box([left, 0.0], [left + length, height])["region"]
+    gap = box([left + width, width], [12.9, width + slot])["region"]
     plate = box([0.0, height + 0.02], [13.0, height + 1.5])["region"]
     bodies = {
         "fork": box([0, 0], [1, 1]) | EXACT | {"region": {"difference": [whole, gap]}},
-        "plate": {"rigid": {"velocity": [0.0, -2.0]}, "region": plate},
+        "plate": {"rigid": {"velocity": velocity or [0.0, -2.0]}, "region": plate},
     }
     return start(
         scene(2, bodies, cells=[13, 9], end=end, step={"courant": courant},
               boundaries={"y-min": {"unilateral": {"friction": 0.2}}},
-              contact=[{"bodies": "all", "friction": 0.2}, {"bodies": ["fork"], "self": True}])
+              per_cell=per_cell, contact=[
+                  {"bodies": "all", "friction": 0.2},
+                  {"bodies": ["fork"], "self": True, "friction": rough}])
     )  # fmt: skip
 
 
@@ -107,6 +111,30 @@ def test_nothing_depends_on_when_the_search_is(meet, most):
         other.advance()
     assert np.abs(field(whole, "v") - before).max() > 1.0  # they have met
     np.testing.assert_allclose(field(whole, "x"), field(other, "x"), rtol=0.0, atol=most)
+
+
+def test_what_turns_is_searched_for_before_it_faces_others():
+    """A plate bends an arm of a fork and lifts: what meets it is a candidate when it does.
+
+    An end of the arm turns by a third about a place beside the plate, so it hardly moves.
+    """
+    size = 7.61, 1.62, 2.15
+    lifts = {"table": [[0.0, [0.0, -2.84]], [0.77007, [0.0, -2.84]], [0.92408, [0.0, 2.84]]]}
+    make = partial(fork, *size, 0.154, 1.232, 2.786, lifts, per_cell=[3, 2], rough=0.2)
+    usual, other = make(), make()
+    searches, touched, watched = 0, 0, None
+    while not usual.finished:
+        usual.advance()
+        other.rank.contact.proximity.restart()
+        other.advance()
+        every, now = (sim.rank.contact.proximity for sim in (usual, other))
+        searches, watched = searches + (every._watched is not watched), every._watched
+        known = set(every.candidates[["facet", "body"]].tolist())
+        meet = now.candidates[now.candidates["gap"] < 0.02]
+        touched += len(meet)
+        assert set(meet[["facet", "body"]].tolist()) <= known
+    assert touched > 1000
+    assert searches < 60  # of four hundred steps
 
 
 def test_of_two_patches_of_a_body_the_same_one_always_looks():
