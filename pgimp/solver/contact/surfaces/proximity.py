@@ -49,6 +49,10 @@ _WATCHED = 6.0
 #: Cells by which bodies move while normals turn by one, of both together, at least.
 _TURNS = 4.0
 
+#: By how much normals of both may turn until the next search, if any facets are joined: these are
+#: of faces that lie on each other.
+_TILTED = 0.04
+
 #: Pieces of facets that are kept within a step, for each candidate, and more for a wide one.
 PIECES, _MORE_PIECES = 3, 4
 
@@ -106,7 +110,7 @@ class Proximity:
         adheres = pairs.adhesion[:, 2].max(initial=0.0) if pairs else 0.0
         self.alone = False
         self.far = max(FARTHEST * cell.min(), adheres)
-        self._travel, self._left = TRAVEL, 0.0
+        self._travel, self._left, self._turned = TRAVEL, 0.0, TURNED
         self.reach = float(self._reach().max())
         self.met = np.empty((0, 2), np.int64)
         self._moved = 0.0
@@ -292,6 +296,7 @@ class Proximity:
         travel = np.inf if self._whole else self._travel
         self._moving = moving_of(table, every, travel, self._moving)
         self._divide(table, every, Patches.of(table.every, every).known)
+        self._left = min(self._left, _TURNS * self._turned)
         return True
 
     def awake(
@@ -336,7 +341,7 @@ class Proximity:
         of = table.surface, table.cells, clusters, now - self._before, (rigid, self._poses)
         self.call(find_shifts, scene.domain.frame, *of, ends)
         ends = least(self.comm, ends)
-        ends[:, :, -1] = _TURNS * (ends[:, :, -1] + 0.5 * TURNED) - self._travel
+        ends[:, :, -1] = _TURNS * (ends[:, :, -1] + 0.5 * self._turned) - self._travel
         return float(self.call(least_left, *self._watched, 2.0 * self._unwatched, ends))
 
     def way(self, rank: RankState, dt: float) -> float:
@@ -367,6 +372,7 @@ class Proximity:
         if self.alone:
             self.groups.rank[:] = self.root
         own = self.groups.rank[self.groups.number(self.met)] == self.comm.rank
+        self._turned = _TILTED if (every["facet"] >= len(table.wide)).any() else TURNED
         mine, patch_of = np.flatnonzero(own[of]), np.repeat(np.arange(len(size)), size)
         here = np.unique(patch_of[mine])
         self.candidates = every[mine] if self.comm.size > 1 else every

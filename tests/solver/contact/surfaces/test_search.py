@@ -16,6 +16,8 @@ pytestmark = pytest.mark.slow(20)
 
 EXACT = {"formulation": "total-lagrangian", "surface": "exact"}
 
+TABLE = {"box": {"min": [0.7, 0.0, 0.7], "max": [4.1, 2.0, 4.3]}}
+
 
 def corners():
     """Two blocks whose corners meet, askew."""
@@ -270,3 +272,31 @@ def test_what_flies_together_is_not_searched_for():
         near += len(s)
     assert near > 1000
     assert searches < 0.5 * 6.0 / TRAVEL  # of 6 cells of flight
+
+
+def test_what_tilts_is_searched_for_before_joined_facets_miss_it():
+    """A block tips over the edge of a table: facets are joined while both lie on each other.
+
+    They are where normals differ by .01, and until both have turned by .04 of those of the search.
+    Without that bound they differ by .03.
+    """
+    bodies = {
+        "table": {"rigid": {"velocity": [0.0] * 3}, "region": TABLE},
+        "block": box([2.1, 2.0, 1.2], [8.4, 4.0, 3.9]) | EXACT,
+    }
+    sim = start(
+        scene(3, bodies, cells=[12, 8, 6], step={"courant": 0.3}, end=4.0,
+              gravity=[0.0, -2.0, 0.0], contact=[{"bodies": "all", "friction": 0.5}])
+    )  # fmt: skip
+    greatest, joined = 0.0, 0
+    while not sim.finished:
+        sim.advance()
+        contact = sim.rank.contact
+        every, turned = contact.proximity.candidates, contact._table.every.turned
+        wide = (every["facet"] >= len(contact._table.wide)) & (every["gap"] < 0.3)
+        some = every[wide & (every["other"] >= 0)]
+        same = -(turned[some["facet"]] * turned[some["other"]]).sum(axis=1)
+        joined += len(some)
+        greatest = max(greatest, np.arccos(same.clip(-1.0, 1.0)).max(initial=0.0))
+    assert joined > 100
+    assert greatest < 0.025
