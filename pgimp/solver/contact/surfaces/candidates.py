@@ -28,10 +28,6 @@ from pgimp.solver.rank_state import RankState
 #: Cells by which clusters' boxes reach beyond their vertices.
 _BEYOND = 0.2
 
-#: By how much cosines between normals may change until the next search: faces beside an edge are
-#: looked at before they face what is beside them. Curved faces may by `MEETS - FACES`.
-TURNED = 0.31
-
 
 class Meeting(NamedTuple):
     """Clusters of facets that may meet."""
@@ -182,16 +178,16 @@ def find_facets(
 
 def find_candidates(
     call: Bound, scene: Scene, walls: SeparatingWalls, table: Table, acts: np.ndarray,
-    meeting: Meeting, reach: np.ndarray, travel: float, part: tuple[int, int],
+    meeting: Meeting, reach: np.ndarray, turned: float, part: tuple[int, int],
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Find facets near another body, and all facets near others: of a part, see `find_facets`.
 
     Returns facets, bodies and the facets next to the first, (n, 3) int64, and (m,) int64. Facets
-    are moved. Until the next search vertices move by `travel` cells.
+    are moved. Until the next search cosines between normals change by `turned`.
     """
     surface, frame, most = table.surface, scene.domain.frame, float(reach.max())
     periods, marks, there = scene.domain.periods, np.zeros(len(surface.x), np.uint8), surface
-    turns = TURNED - TURNS
+    turns = turned - TURNS
     own = which = np.empty(0, np.int64)
     if periods.any():
         own = meeting.facets

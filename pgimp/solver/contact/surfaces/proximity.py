@@ -24,7 +24,6 @@ from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
 from pgimp.solver.contact.impulses.messages import greatest
 from pgimp.solver.contact.surfaces.candidates import (
-    TURNED,
     boxes_of,
     candidates_of,
     find_candidates,
@@ -49,20 +48,21 @@ _WATCHED = 6.0
 #: Cells by which bodies move while normals turn by one, of both together, at least.
 _TURNS = 4.0
 
-#: By how much normals of both may turn until the next search, if any facets are joined: these are
-#: of faces that lie on each other.
-_TILTED = 0.04
+#: By how much cosines between normals may change until the next search: faces beside an edge are
+#: looked at before they face what is beside them. Curved faces may by `MEETS - FACES`. Less if
+#: any facets are joined, which are of faces that lie on each other.
+_TURNED, _TILTED = 0.31, 0.05
 
 #: Pieces of facets that are kept within a step, for each candidate, and more for a wide one.
 PIECES, _MORE_PIECES = 3, 4
 
 U = slice(DISPLACEMENT, DISPLACEMENT + 3)
 
-#: What a checkpoint has: three numbers, the lengths of these parts, and displacements at the last
+#: What a checkpoint has: four numbers, the lengths of these parts, and displacements at the last
 #: search, facets near others, those that move, facets, bodies and next facets of candidates, what
 #: is known of their patches, clusters that are watched, by how much they might move, and the motion
 #: of rigid bodies then.
-_NUMBERS, _PARTS = 3, 8
+_NUMBERS, _PARTS = 4, 8
 
 
 class Proximity:
@@ -110,7 +110,7 @@ class Proximity:
         adheres = pairs.adhesion[:, 2].max(initial=0.0) if pairs else 0.0
         self.alone = False
         self.far = max(FARTHEST * cell.min(), adheres)
-        self._travel, self._left, self._turned = TRAVEL, 0.0, TURNED
+        self._travel, self._left, self._turned, self._joined = TRAVEL, 0.0, _TURNED, False
         self.reach = float(self._reach().max())
         self.met = np.empty((0, 2), np.int64)
         self._moved = 0.0
@@ -167,7 +167,7 @@ class Proximity:
             self._before.ravel(), self.facets, self._moving, of.ravel(), known.ravel(),
             pairs.ravel(), left, poses,
         )  # fmt: skip
-        numbers = [self._moved, self._travel, self._left]
+        numbers = [self._moved, self._travel, self._left, self._turned]
         return np.concatenate([numbers, list(map(len, parts)), *parts])
 
     def restore(self, state: np.ndarray) -> None:
@@ -184,11 +184,12 @@ class Proximity:
         parts = np.split(state[head:], np.cumsum(sizes[:-1]))
         before, facets, moving, found, known, pairs, left, poses = parts
         self.facets, self._moving = facets.astype(np.int64), moving.astype(np.int64)
-        self._moved, self._travel, self._left = state[:_NUMBERS].tolist()
+        self._moved, self._travel, self._left, self._turned = state[:_NUMBERS].tolist()
         self._before = before.reshape(-1, 3)
         self._watched = pairs.astype(np.int64).reshape(-1, 2), left.copy()
         self._poses = poses.copy().view(MOTION) if len(poses) else ()
         every = candidates_of(table.every, found.astype(np.int64).reshape(-1, 3))
+        self._joined = bool((every["facet"] >= len(table.wide)).any())
         self._found = every, known.reshape(-1, KNOWN), *np.empty((2, 0), np.int64)
         self.candidates, self.patches = every[:0], Patches.of(table.every, every[:0])
         self._locate(rank, table)
@@ -268,6 +269,7 @@ class Proximity:
         self._before, self._moved = self.all_displacements(rank, table, self._records), travel
         self._poses = rigid.motion.copy() if rigid else ()
         self._travel = float(np.clip(_AHEAD * travel, _LEAST, TRAVEL))
+        turned = _TILTED if self._joined else _TURNED
         self._left = 2.0 * self._travel
         self._find_root(rank)
         boxes, reach = self.boxes(rank, table, rigid), self._reach()
@@ -284,9 +286,8 @@ class Proximity:
             of = table.surface, table.cells, u, near, self.scratch
             call(move_facets, scene.domain.frame, rigid, *of)
             part = self.comm.rank, self.comm.size
-            travel = self._travel
             parts = self.comm.allgather(
-                find_candidates(call, scene, walls, table, acts, meeting, reach, travel, part)
+                find_candidates(call, scene, walls, table, acts, meeting, reach, turned, part)
             )
             found = np.concatenate([each[0] for each in parts])
             self._moving = marked(len(table.surface.x), [each[1] for each in parts])
@@ -296,6 +297,8 @@ class Proximity:
         travel = np.inf if self._whole else self._travel
         self._moving = moving_of(table, every, travel, self._moving)
         self._divide(table, every, Patches.of(table.every, every).known)
+        self._joined = bool((every["facet"] >= len(table.wide)).any())
+        self._turned = _TILTED if self._joined else turned
         self._left = min(self._left, _TURNS * self._turned)
         return True
 
@@ -372,7 +375,6 @@ class Proximity:
         if self.alone:
             self.groups.rank[:] = self.root
         own = self.groups.rank[self.groups.number(self.met)] == self.comm.rank
-        self._turned = _TILTED if (every["facet"] >= len(table.wide)).any() else TURNED
         mine, patch_of = np.flatnonzero(own[of]), np.repeat(np.arange(len(size)), size)
         here = np.unique(patch_of[mine])
         self.candidates = every[mine] if self.comm.size > 1 else every
