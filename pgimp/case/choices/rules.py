@@ -111,8 +111,8 @@ OF_BODIES: tuple[Rule, ...] = (
         "an elastic body",
         lambda body: _body(body, "elastic"),
         "it keeps together, so that vibrations and spin last and nothing tears",
-        "a cantilever keeps 1.003 of its energy for 50 periods, not 0.49; a bounce loses 6 %, not "
-        "42 %; a step costs 0.18 to 0.30",
+        "a cantilever keeps 1.003 of its energy for 50 periods, not 0.49; a bounce loses 10 %, not "
+        "49 %; a step costs 0.18 to 0.30",
         "methods.md#initial-and-current-configuration",
     ),
     Rule(
