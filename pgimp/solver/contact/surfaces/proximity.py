@@ -143,6 +143,7 @@ class Proximity:
     def restart(self) -> None:
         """Search in the next step: the surfaces have changed."""
         self._moved, self._window, self.facets = np.inf, None, None
+        self._joined = False  # as in a run that is resumed here
 
     def relocate(self) -> None:
         """Note that vertices have changed ranks, perhaps. This is no reason to search."""

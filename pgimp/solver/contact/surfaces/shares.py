@@ -70,7 +70,7 @@ class Share(NamedTuple):
     ) -> tuple[np.ndarray, np.ndarray]:
         """What all ranks have at the share's vertices, given that of `sent`; collective.
 
-        That are displacements, (n, 4) float64, and records of reference vertices, in one message.
+        These are displacements, (n, 4) float64, and records of reference vertices, in one message.
         """
         if self.same:
             return u, values

@@ -73,9 +73,9 @@ def _set_end(surface, near, side, law, end):
 def _set_pair(contact, surface, group, law, size, pair, width):
     """Set the state of a pair, given its facets, and their weights; returns the length d, or 0.
 
-    There is no pair if that is 0. `group` is as in `add_row`, with the number of these facets, the
-    area of the patch, and the deepest one; `size` are the least side of a cell, the step, kept
-    forces, and the number of the pair's own, -1 without one; d is at least `width`.
+    There is no pair if that is 0; d is at least `width`. `group` is as in `add_row`, with the
+    number of these facets, the area of the patch, and the deepest one. `size` are the least side of
+    a cell, the step, kept forces, and the number of the pair's own, -1 without one.
     """
     (every, own, numbers, (count, all_of_it, deepest)), (cell, dt, kept, m), (end, row, rigid) = (
         group, size, pair
@@ -144,9 +144,9 @@ def _set_pair(contact, surface, group, law, size, pair, width):
 def _set_rows(contact, frame, of, at, scratch, coupling):
     """Set the rows of a pair, velocities of rigid ends, and how fast its ends parted before.
 
-    `of` are the surface, its cells, whether the law has the bodies the other way round, and group
-    and pair of `_set_pair`; `at` are numbers of rows and of entries so far. Returns both, and the
-    velocity at which the ends come nearer without contact.
+    `of` are the surface, its cells, whether the law swaps the bodies, and group and pair of
+    `_set_pair`. `at` are numbers of rows and of entries so far. Returns both, and the velocity at
+    which the ends come nearer without contact.
     """
     (surface, cells, swapped, (every, own, numbers, gathered), (end, row, rigid)), (rows, used) = (
         of, at
