@@ -87,7 +87,7 @@ class NearMaterial(Proximity):
         self._keys, self._values = np.empty(0, np.int64), np.empty(0, REFERENCE_VERTEX)
         self._own, self._every, self._counts = np.empty((3, 0), np.int64)
         self._column = np.empty(0, np.int64)  # of the facets' cells among these
-        self._joined: tuple[Surface, SurfaceCells] | None = None
+        self._extended: tuple[Surface, SurfaceCells] | None = None
 
     def look(self, rank: RankState, table: Table, rigid: Any, dt: float, rate: float) -> None:
         """Search, if any facets may have come near material since; collective."""
@@ -140,7 +140,7 @@ class NearMaterial(Proximity):
         column = np.clip(near.cells.column, 0, max(known - 1, 0))
         self._column = self._place[column] if known else column
         self._start = np.empty(self._region.cells + 1, np.int64)
-        self._joined = None
+        self._extended = None
 
     def _know_owners(self, rank: RankState) -> None:
         """Find which of these vertices are on which rank; collective."""
@@ -221,8 +221,8 @@ class NearMaterial(Proximity):
         near, size = self.near, 2**self.scene.dimension
         assert near is not None
         last, cells = len(self.surface.cell), near.cells
-        if self._joined and len(self._joined[0].cell) >= last + count:
-            return self._joined
+        if self._extended and len(self._extended[0].cell) >= last + count:
+            return self._extended
         n, entries = 2 * count, cells.start[-1]
         surface = self.surface._replace(
             cell=np.concatenate([self.surface.cell, len(cells.low) + np.arange(n)]),
@@ -234,8 +234,8 @@ class NearMaterial(Proximity):
             weight=np.concatenate([cells.weight, np.tile(np.eye(size), (n, 1))]),
             plain=np.concatenate([cells.plain, np.ones(n, np.bool_)]),
         )
-        self._joined = surface, more
-        return self._joined
+        self._extended = surface, more
+        return self._extended
 
     def _read(self, rank: RankState, holding: Holding) -> bool:
         """Read all vertices' values, on the root; whether this is it; collective."""
