@@ -255,10 +255,10 @@ def find_around(surface, near, moving) -> int:
 
 
 @kernel
-def find_near_gaps(frame, contact, walls, surface, moved, lengths, near, room) -> int:
+def find_near_gaps(frame, contact, walls, surface, moved, lengths, near, room) -> tuple[int, bool]:
     """Find the gaps of the patches that may have a pair in a step; returns how many patches.
 
-    See `find_awake` for what patches and facets these are, and `find_gaps` for the rest. `lengths`
+    Also what `find_gaps` returns, see there. See `find_awake` for what patches these are. `lengths`
     are the step and the greatest distance; `room` is `moving` and scratch of both.
     """
     (cells, u, _), (every, patches), (dt, far), (moving, scratch, now) = moved, near, lengths, room
@@ -275,7 +275,8 @@ def find_near_gaps(frame, contact, walls, surface, moved, lengths, near, room) -
     every_move = find_around(surface, (every, patches), moving)
     more = chosen[moves:every_move]
     move_facets(frame, contact.rigid_bodies, surface, cells, u, more, scratch)
-    find_gaps(frame, contact, walls, surface, (cells, u), scratch, far, (every, patches))
+    own = every, patches
+    tilted = find_gaps(frame, contact, walls, surface, (cells, u), scratch, far, own)
     for k in range(awake):
         if patches.walks[k] == 0:
             continue
@@ -287,4 +288,4 @@ def find_near_gaps(frame, contact, walls, surface, moved, lengths, near, room) -
         else:
             of = surface, moved, scratch[0], (middle.facet, middle.other)
             set_place(frame, contact.rigid_bodies, *of, cell, known)
-    return awake
+    return awake, tilted

@@ -260,7 +260,7 @@ def test_what_flies_together_is_not_searched_for():
         searches, last = searches + (proximity.facets is not last), proximity.facets
         table, every = contact.known(sim.rank), proximity.candidates
         surface = table.surface._replace(now=table.surface.now.copy())
-        u = np.pad(proximity.all_displacements(sim.rank, table), ((0, 0), (0, 1)))
+        u = proximity.all_displacements(sim.rank, table)
         frame, some = sim.scene.domain.frame, np.arange(len(surface.x))
         move_facets(frame, contact.rigid_bodies, surface, table.cells, u, some, proximity.scratch)
         x, n, body = surface.now, surface.turned, surface.body
