@@ -46,7 +46,7 @@ _SPREADS = 0.05
 _EDGE = 0.01
 
 #: Tilt of wide facets beyond which these are to be parted.
-_TILTED = 0.05
+_TILTED = 0.015
 
 #: Facets of a face that are tried, at most, each beside the one before, for that below a point.
 _ATTEMPTS = 8

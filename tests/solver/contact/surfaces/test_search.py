@@ -277,8 +277,8 @@ def test_what_flies_together_is_not_searched_for():
 def test_what_tilts_is_searched_for_before_joined_facets_miss_it():
     """A block tips over the edge of a table: facets are joined while both lie on each other.
 
-    They are where normals differ by .01, and until both have turned by .05 of those of the search.
-    Without that bound they differ by .03.
+    They are where normals differ by .01 at a search, until they do by .015. Without that bound they
+    differ by .03.
     """
     bodies = {
         "table": {"rigid": {"velocity": [0.0] * 3}, "region": TABLE},
