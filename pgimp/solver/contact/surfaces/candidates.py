@@ -220,13 +220,18 @@ def find_candidates(
     return np.concatenate(parts), np.flatnonzero(marks)
 
 
+def in_order(surface: Surface, found: np.ndarray) -> np.ndarray:
+    """Candidates as of `find_candidates`, by patch, body and number."""
+    facet, body, _ = found.T
+    return found[np.lexsort((facet, body, surface.patch[facet]))]
+
+
 def candidates_of(surface: Surface, found: np.ndarray) -> np.ndarray:
-    """Facets near others, (n,) NEAR_FACET by patch, body and number, of which nothing is known.
+    """Facets near others, (n,) NEAR_FACET, of which nothing is known; in order.
 
     `found` are as of `find_candidates`.
     """
-    facet, body, _ = found.T
-    found = found[np.lexsort((facet, body, surface.patch[facet]))]
+    found = in_order(surface, found)
     every = no_facets(len(found))
     every["facet"], every["body"], every["other"] = found.T
     every["gap"], every["side"] = np.inf, -1

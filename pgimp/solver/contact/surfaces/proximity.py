@@ -29,6 +29,7 @@ from pgimp.solver.contact.surfaces.candidates import (
     candidates_of,
     find_candidates,
     find_meeting_clusters,
+    in_order,
     least,
 )
 from pgimp.solver.contact.surfaces.groups import Groups, find_groups
@@ -292,12 +293,11 @@ class Proximity:
             )
             found = np.concatenate([each[0] for each in parts])
             self._moving = marked(len(table.surface.x), [each[1] for each in parts])
-        every = candidates_of(
-            table.every, joined(table, walls, candidates_of(table.surface, found))
-        )
+        found = joined(table, walls, in_order(table.surface, found))
+        every = candidates_of(table.every, found)
         travel = np.inf if self._whole else self._travel
         self._moving = moving_of(table, every, travel, self._moving)
-        self._divide(table, every, Patches.of(table.every, every).known)
+        self._divide(table, every)
         self._left = min(self._left, _TURNS * _TURNED[0])
         return True
 
@@ -360,13 +360,14 @@ class Proximity:
         found[some] = groups.rank[groups.number(bodies[some])]
         return found == self.comm.rank
 
-    def _divide(self, table: Table, every: np.ndarray, known: np.ndarray) -> None:
+    def _divide(self, table: Table, every: np.ndarray, known: np.ndarray | None = None) -> None:
         """Find the groups of all candidates, and the rank's share; collective.
 
         `known` is of their patches, see `Patches`.
         """
         surface, count = table.every, len(self.labels)
-        start = Patches.of(surface, every).start
+        patches = Patches.of(surface, every)
+        start, known = patches.start, patches.known if known is None else known
         first = every[start[:-1]]
         met = surface.body[first["facet"]] * count + first["body"]
         met, of = np.unique(met, return_inverse=True)
@@ -378,11 +379,14 @@ class Proximity:
         own = self.groups.rank[self.groups.number(self.met)] == self.comm.rank
         mine, patch_of = np.flatnonzero(own[of]), np.repeat(np.arange(len(size)), size)
         here = np.unique(patch_of[mine])
-        self.candidates = every[mine] if self.comm.size > 1 else every
+        self.candidates = every
+        if self.comm.size > 1:
+            self.candidates = every[mine]
+            patches = Patches.of(surface, self.candidates)
         self._found = every, known, mine, here
         surface.now[:] = np.inf
         self.share = share_of(self.comm, table, self._moving, self.groups, self._records)
-        self.patches = Patches.of(surface, self.candidates)._replace(known=known[here])
+        self.patches = patches._replace(known=known[here])
         self._awake = self.patches
         patches, moving = len(table.around[0]) - 1, self.share.moving
         self._chosen = np.empty(len(moving) + 2 * len(mine), np.int64)
