@@ -46,7 +46,7 @@ def _ends(D, cells, c, moved):
 
 @inner_kernel
 def _middle(frame, cells, c, u):
-    """Cofactors of the deformation gradient at the middle of a cell."""
+    """Cofactors of the deformation gradient at the middle of a cell, a triple of columns."""
     D, a, b, e = len(frame.cell), vector(0.0), vector(0.0), vector(0.0)
     for corner in range(1 << D):
         row = load_row(u, cells.corners[c, corner], 0)
@@ -92,8 +92,9 @@ def find_shifts(frame, surface, cells, clusters, moved, rigid, ends):
         inf before; facets are left out whose shifts the rank does not know.
     """
     (first, members), (rigid_bodies, poses), D = clusters, rigid, len(frame.cell)
+    zero = 0.0, 0.0, 0.0
     for c in range(len(first) - 1):
-        last, known, of = -1, False, (0.0, 0.0, 0.0)
+        last, known, of, K, before = -1, False, zero, (zero, zero, zero), (zero, zero, zero)
         for n in range(first[c], first[c + 1]):
             f = members[n]
             cell, normal = surface.cell[f], surface.normal[f]

@@ -388,11 +388,11 @@ class Proximity:
         self.share = share_of(self.comm, table, self._moving, self.groups, self._records)
         self.patches = patches._replace(known=known[here])
         self._awake = self.patches
-        patches, moving = len(table.around[0]) - 1, self.share.moving
+        count, moving = len(table.around[0]) - 1, self.share.moving
         self._chosen = np.empty(len(moving) + 2 * len(mine), np.int64)
-        self._marks, self._moves[0] = np.zeros(patches, np.bool_), 0
+        self._marks, self._moves[0] = np.zeros(count, np.bool_), 0
         self._now = np.empty((len(here), KNOWN)), np.empty(len(here), np.int64)
-        self._first = np.searchsorted(surface.patch[moving], np.arange(patches + 1))
+        self._first = np.searchsorted(surface.patch[moving], np.arange(count + 1))
         room = PIECES * len(mine)
         room += _MORE_PIECES * int((self.candidates["facet"] >= len(table.wide)).sum())
         if len(self.scratch[-1][0]) < room:

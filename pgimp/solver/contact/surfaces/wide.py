@@ -20,10 +20,9 @@ _RING = 0.25
 
 
 def joined(table: Table, walls: SeparatingWalls, every: np.ndarray) -> np.ndarray:
-    """Candidates, with wide facets where all parts lie on one plane.
+    """Candidates, with wide facets where all parts lie on one plane; as of `find_candidates`.
 
-    Facets, bodies and the facets next to the first, (n, 3) int64, as of `find_candidates`, in order.
-    Normals are those of the last search: what tilts by more keeps small facets.
+    `every` are in order. Normals are those of this search: what tilts keeps small facets.
     """
     surface, count, (facet, body, other) = table.surface, len(table.wide), every.T
     some = np.flatnonzero(table.wide[facet] >= 0)
