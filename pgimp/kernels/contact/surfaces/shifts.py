@@ -6,6 +6,7 @@ from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.jit.vectors.rows import load_row
 from pgimp.jit.vectors.simd import lane, pack, vector
 from pgimp.kernels.contact.surfaces.motion import cofactors, placed, turned_normal
+from pgimp.kernels.contact.surfaces.nearest import PLANE
 
 
 @inlined
@@ -32,16 +33,24 @@ def _rigid_turn(rigid_bodies, poses, surface, f):
 
 
 @inner_kernel
-def _ends(D, cells, c, moved):
+def _ends(D, cells, c, shifts):
     """Least and greatest shifts of the vertices of a cell, in lanes; nan if any are unknown."""
-    (now, before), v = moved, cells.corners[c, 0]
-    low = load_row(now, v, 0) - load_row(before, v, 0)
+    low = load_row(shifts, cells.corners[c, 0], 0)
     high, whole = low, low
     for corner in range(1, 1 << D):
-        v = cells.corners[c, corner]
-        shift = load_row(now, v, 0) - load_row(before, v, 0)
+        shift = load_row(shifts, cells.corners[c, corner], 0)
         low, high, whole = min(low, shift), max(high, shift), whole + shift
     return low + 0.0 * whole, high + 0.0 * whole
+
+
+@inner_kernel
+def _shift(D, surface, cells, f, shifts):
+    """Shift of a facet, in lanes."""
+    found = vector(0.0)
+    for corner in range(1 << D):
+        row = load_row(shifts, cells.corners[surface.cell[f], corner], 0)
+        found = surface.means[f, corner] * row + found
+    return found
 
 
 @inner_kernel
@@ -65,11 +74,11 @@ def _middle(frame, cells, c, u):
 
 @inner_kernel
 def _turn(K, before, n):
-    """Change of a unit normal, given cofactors now and before, and the initial normal."""
+    """Square of the change of a unit normal, given cofactors now and before, and the initial n."""
     a, b = turned_normal(K, n), turned_normal(before, n)
     whole = sqrt((a[0] ** 2 + a[1] ** 2 + a[2] ** 2) * (b[0] ** 2 + b[1] ** 2 + b[2] ** 2))
     cosine = (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / whole
-    return sqrt(max(0.0, 2.0 - 2.0 * cosine))
+    return max(0.0, 2.0 - 2.0 * cosine)
 
 
 @kernel
@@ -77,49 +86,53 @@ def find_shifts(frame, surface, cells, clusters, moved, rigid, ends):
     """Set the least shifts of the facets of clusters, and the least reversed ones, in cells.
 
     After those the greatest change of their unit normals, reversed: facets may meet as they turn.
-    Shifts of soft bodies are those of the vertices of their facets' cells.
+    Of flat faces in 3D they are those of the vertices of their cells.
 
     Parameters
     ----------
     clusters : ((m + 1,) int64, (n,) int64)
         First entry of each cluster, and the facets of each.
-    moved : ((v, 4) float64, (v, 4) float64)
+    moved : ((v, 4) float64, (v, 4) float64, (v, 4) float64)
         Displacements of the surface vertices now, nan where the rank does not know them, and
-        before.
+        before, and the difference.
     rigid : (RigidBodies, (n,) MOTION) or ((), ())
         The rigid bodies, and their motion before.
     ends : (2, m, D + 1) float64
         inf before; facets are left out whose shifts the rank does not know.
     """
     (first, members), (rigid_bodies, poses), D = clusters, rigid, len(frame.cell)
-    zero = 0.0, 0.0, 0.0
+    zero, (now, u, shifts) = (0.0, 0.0, 0.0), moved
     for c in range(len(first) - 1):
-        last, known, of, K, before = -1, False, zero, (zero, zero, zero), (zero, zero, zero)
+        last, of, K, before, turn = -1, zero, (zero, zero, zero), (zero, zero, zero), 0.0
         for n in range(first[c], first[c + 1]):
             f = members[n]
             cell, normal = surface.cell[f], surface.normal[f]
             if cell < 0:
                 x = _rigid_shift(rigid_bodies, poses, surface, f)
                 low = high = pack(x[0], x[1], x[2], 0.0)
-                turn = _rigid_turn(rigid_bodies, poses, surface, f) if n == first[c] else 0.0
+                if n == first[c]:
+                    turn = _rigid_turn(rigid_bodies, poses, surface, f) ** 2
             else:
+                plane = D > 2 and surface.tip[f] & PLANE != 0
                 same = cell == last and normal[0] == of[0] and normal[1] == of[1]
-                if same and normal[2] == of[2]:
+                if plane and same and normal[2] == of[2]:
                     continue
-                of = normal[0], normal[1], normal[2]
+                if plane:
+                    low, high = _ends(D, cells, cell, shifts)
+                else:
+                    low = high = _shift(D, surface, cells, f, shifts)
+                if not lane(low, 0) == lane(low, 0):
+                    continue
                 if cell != last:
-                    low, high = _ends(D, cells, cell, moved)
-                    known = lane(low, 0) == lane(low, 0)
-                    K = _middle(frame, cells, cell, moved[0])
-                    before = _middle(frame, cells, cell, moved[1])
+                    K, before = _middle(frame, cells, cell, now), _middle(frame, cells, cell, u)
                     last = cell
-                if not known:
-                    continue
-                turn = _turn(K, before, of)
-            ends[0, c, D] = ends[1, c, D] = min(ends[0, c, D], -turn)
+                of = normal[0], normal[1], normal[2]
+                turn = max(turn, _turn(K, before, of))
             for d in range(D):
                 ends[0, c, d] = min(ends[0, c, d], lane(low, d) * frame.inverse[d])
                 ends[1, c, d] = min(ends[1, c, d], -lane(high, d) * frame.inverse[d])
+        if ends[0, c, 0] < inf:
+            ends[0, c, D] = ends[1, c, D] = -sqrt(turn)
 
 
 @kernel

@@ -340,7 +340,8 @@ class Proximity:
             records = rank.grid.kept.values.reshape(-1, RECORD)
             now[own, :3] = records.take(self._shared[own], axis=0)[:, U]
         ends = np.full((2, len(table.body), scene.dimension + 1), np.inf)
-        of = table.surface, table.cells, clusters, (now, self._before), (rigid, self._poses)
+        moved = now, self._before, now - self._before
+        of = table.surface, table.cells, clusters, moved, (rigid, self._poses)
         self.call(find_shifts, scene.domain.frame, *of, ends)
         ends = least(self.comm, ends)
         ends[:, :, -1] *= _TURNS
