@@ -91,7 +91,10 @@ class Motion(Model):
             u, v = self.displacement(start), self.displacement(end)
             along = ((v[0] - u[0]) / dt, (v[1] - u[1]) / dt, (v[2] - u[2]) / dt)
         if self.rotation and isinstance(self.rotation.rate, TimeFunction) and dt > 0.0:
-            rate, (x, y, z) = (self.rotation.angle(end) - self.rotation.angle(start)) / dt, self.axis
+            rate, (x, y, z) = (
+                (self.rotation.angle(end) - self.rotation.angle(start)) / dt,
+                self.axis,
+            )
             about = (rate * x, rate * y, rate * z)
         return along, about
 
