@@ -41,6 +41,9 @@ from pgimp.solver.time.clock import Step
 from pgimp.solver.vertex_sums import VertexSums
 from pgimp.solver.vertices import VertexUpdate
 
+#: Marks of constrained vertices in scenes without any.
+_NONE_HELD = np.empty(0, np.int64)
+
 #: Coordinates of the boxes of bodies without particles, in checkpoints.
 _EMPTY = 1e300
 
@@ -273,6 +276,9 @@ class MultifieldContact(NoContact):
                 rank.grid.field,
                 update.t.dt,
                 last,
+                update.forcing.gravity,
+                np.inf if rank.phases else rank.mass_cutoff,
+                update.forcing.marked[1] if update.forcing.marked else _NONE_HELD,
                 bool(self.scene.domain.mirrors or self.scene.domain.absorbing_mirrors),
             )
             if self.data.listed.fits():
