@@ -90,14 +90,14 @@ def are_apart(contact, search, number, count):
         return False
     for a in range(count):
         for b in range(a + 1, count):
-            if min(fields[a].filled, fields[b].filled) < LEAST_FILLED:
-                continue  # as in `find_pairs`
             one, other = contact.bodies[a], contact.bodies[b]
             entry = contact.pairs.entry[min(one, other), max(one, other)]
             if entry == 0:
                 continue
             if not parts(contact.pairs, abs(entry) - 1):
                 return False
+            if min(fields[a].filled, fields[b].filled) < LEAST_FILLED:
+                continue  # as in `find_pairs`
             way = _way(search, contact.offsets[a], contact.offsets[b])
             way += max(fields[a].curvature_gap + fields[b].curvature_gap, 0.0)
             part = min(2.0 * min(fields[a].filled, fields[b].filled), 1.0)

@@ -3,7 +3,7 @@
 from math import inf
 
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
-from pgimp.kernels.contact.apart import Search, are_apart, stay_apart
+from pgimp.kernels.contact.apart import are_apart, stay_apart
 from pgimp.kernels.contact.gap import find_pairs
 from pgimp.kernels.contact.law import rests_apart
 from pgimp.kernels.contact.listed import FIELDS, PAIRS, VERTICES
@@ -23,7 +23,7 @@ from pgimp.kernels.rigid.ring_volume import ring_volume_factor, walled_volume_fa
 
 
 @kernel
-def list_vertices(contact, faces, frame, field, dt, last, gravity, light, held, folded):
+def list_vertices(contact, search, folded):
     """List the vertices of all planes with contact at which some pairs act on each other.
 
     Those at which no surfaces reach each other in the step are left out.
@@ -34,17 +34,12 @@ def list_vertices(contact, faces, frame, field, dt, last, gravity, light, held, 
     ----------
     contact : Contact
         With its volumes; `listed` is set.
-    faces, frame, field
-        See `Faces`, `Frame`, `Field`, after the fold of mirrors.
-    dt, gravity, light, held
-        See `Search`.
-    last : bool
-        Whether the list is for the last pass, in which free rigid bodies take part.
+    search : Search
+        The field is as after the fold of mirrors. In the last pass free rigid bodies take part.
     folded : bool
         Whether mirrors may have given vertices further fields.
     """
-    listed, window = contact.listed, field.window
-    search = Search(faces, frame, field, dt, last, gravity, light, held)
+    listed, field, window = contact.listed, search.field, search.field.window
     found, least = (0, 0, 0), 2 - has_rigid_bodies(contact.rigid_bodies)
     for i in range(len(contact.vertex_counts)):
         listed.start[i] = found[VERTICES]
@@ -78,13 +73,11 @@ def _add(contact, search, number, most, near, found):
     count = find_fields(contact, faces, frame, search.field, number, most)
     if count == 0 or (count == 1 and not near):
         return found
-    if not near and are_apart(contact, search, number, count):
-        return found
     sides = wall_sides(faces, frame, number)
     rigid = 0
     if near:
         rigid = load_rigid_bodies(contact, contact.rigid_bodies, frame, number, sides, count, last)
-    if count + rigid < 2:
+    if count + rigid < 2 or (rigid == 0 and are_apart(contact, search, number, count)):
         return found
     ring_factor = ring_volume_factor(frame, number, sides)
     pairs = find_pairs(contact, frame, sides, ring_factor, count + rigid, rigid, search.dt)
