@@ -115,7 +115,7 @@ def near_bodies(frame, lower, rigid_bodies, out):
 
 @pytest.mark.parametrize("D", [2, pytest.param(3, marks=pytest.mark.wide)])
 def test_vertices_near_rigid_bodies_are_those_of_a_plain_loop(monkeypatch, D):
-    """Or few more. One turns and is inclined to the grid, the other is small."""
+    """One turns and is inclined to the grid, the other is small."""
     seen = set()
     case = heap(D)
     turning = {"rotation": {"about": [5.0, -1.0, 0.0][:D], "rate": 0.5}}
@@ -134,8 +134,7 @@ def test_vertices_near_rigid_bodies_are_those_of_a_plain_loop(monkeypatch, D):
         near_bodies(contact.scene.domain.frame, grid.window.lower, contact.rigid_bodies, expected)
         some = (masses(grid, grid.field, grid.G) > 0.0).any(axis=1)
         some &= data.near != 0  # those in no body's range are not looked at
-        assert (data.near[some] == NEAR)[expected[some]].all()
-        assert (data.near == NEAR).sum() < 3 * expected.sum() + 20  # few more are looked at
+        np.testing.assert_array_equal(data.near[some] == NEAR, expected[some])
         away = (masses(grid, grid.field, grid.G) > 0.0).any(axis=1) & (data.near == 0)
         assert not expected[away].any()
         seen.update(np.unique(data.near[some]))

@@ -22,7 +22,7 @@ FLAT = 0.02
 #: Distance from which on no bound for a near body holds, over the sum of a cell's sides.
 CERTAINLY = 1.0 + FLAT + 1e-3
 
-#: Whether a vertex may be near any rigid body.
+#: Whether a vertex is near any rigid body.
 FAR, NEAR = 1, 2
 
 #: Component of a normal along a wall's normal that is rounding: the wall is then perpendicular.
@@ -188,7 +188,7 @@ def fill(rigid_bodies, t, frame, number, sides):
 
 @kernel
 def find_rigid_vertices(frame, field, rigid_bodies, near, marks, vertex_counts, vertex_ranges):
-    """Count, in each of a rank's planes, the vertices with mass that may be near a rigid body.
+    """Count, in each of a rank's planes, the vertices with mass that are near a rigid body.
 
     Parameters
     ----------
@@ -227,7 +227,7 @@ def find_rigid_vertices(frame, field, rigid_bodies, near, marks, vertex_counts, 
                             continue
                         number = (i + window.lower[0], j + window.lower[1], k + window.lower[2])
                         clear = here + _clear_vertices(rigid_bodies, t, frame, number)
-                        if here >= clear:
+                        if here >= clear and _is_near(rigid_bodies, t, frame, number):
                             near[i, j, k] = NEAR
                             vertex_counts[i] += 1
                             include(vertex_ranges[i], j, k)
