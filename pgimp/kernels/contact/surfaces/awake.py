@@ -37,6 +37,9 @@ _AROUND, _BEYOND = 1.0, 2.0
 #: `side` of the middle facet of a patch that rests.
 RESTS = -2
 
+#: Facets of a patch before a wall up to which these are moved without a look at its middle one.
+_FEW = 4
+
 
 @inlined
 def _rigid_state(rigid_bodies, surface, f, cell):
@@ -72,11 +75,20 @@ def _state(frame, rigid_bodies, surface, moved, P, f, cell):
 
     Vectors are in lanes, the gradient is a triple of columns. `P` is scratch.
     """
-    D, (cells, u, values), c = len(frame.cell), moved, surface.cell[f]
+    D, (cells, u, _), c = len(frame.cell), moved, surface.cell[f]
     if c < 0:
         return _rigid_state(rigid_bodies, surface, f, cell)
     set_polynomial(D, cells, c, u, P)
     F, p = gradient(frame, P, surface.place[f])
+    v, most = _velocities(D, surface, moved, f)
+    x = surface.x[f]
+    return pack(x[0] + p[0], x[1] + p[1], x[2] + p[2], 0.0), v, F, most
+
+
+@inner_kernel
+def _velocities(D, surface, moved, f):
+    """Velocity of a facet in a cell, and the greatest one about the mean of the cell."""
+    (cells, _, values), c = moved, surface.cell[f]
     v, mean, part, most = vector(0.0), vector(0.0), 1.0 / (1 << D), 0.0
     for corner in range(1 << D):
         own = load_row(values, cells.corners[c, corner], 0)
@@ -84,8 +96,7 @@ def _state(frame, rigid_bodies, surface, moved, P, f, cell):
     for corner in range(1 << D):
         w = load_row(values, cells.corners[c, corner], 0) - mean
         most = max(most, dot(w, w))
-    x = surface.x[f]
-    return pack(x[0] + p[0], x[1] + p[1], x[2] + p[2], 0.0), v, F, sqrt(most)
+    return v, sqrt(most)
 
 
 @inner_kernel
@@ -203,10 +214,15 @@ def find_awake(frame, contact, surface, moved, dt, near, moving, scratch) -> tup
         first, last = patches.start[g], patches.start[g + 1]
         known, middle = patches.known[g], every[(first + last) // 2]
         s, now = middle.facet, scratch[1][awake]
-        of = surface, moved, scratch[0], (s, middle.other)
-        way = dt * set_place(frame, contact.rigid_bodies, *of, cell, now)
-        body = surface.body[s], middle.body
-        wakes, walks = _wakes(contact, surface, known, now, body, way, cell)
+        wakes, walks = True, False
+        if middle.other < 0 and last - first <= _FEW and surface.cell[s] >= 0:
+            v, most = _velocities(len(frame.cell), surface, moved, s)
+            way = dt * (sqrt(dot(v, v)) + _BEYOND * most)
+        else:
+            of = surface, moved, scratch[0], (s, middle.other)
+            way = dt * set_place(frame, contact.rigid_bodies, *of, cell, now)
+            body = surface.body[s], middle.body
+            wakes, walks = _wakes(contact, surface, known, now, body, way, cell)
         if not wakes:
             if middle.side != RESTS:
                 for n in range(first, last):
@@ -255,10 +271,10 @@ def find_around(surface, near, moving) -> int:
 
 
 @kernel
-def find_near_gaps(frame, contact, walls, surface, moved, lengths, near, room) -> int:
+def find_near_gaps(frame, contact, walls, surface, moved, lengths, near, room) -> tuple[int, bool]:
     """Find the gaps of the patches that may have a pair in a step; returns how many patches.
 
-    See `find_awake` for what patches and facets these are, and `find_gaps` for the rest. `lengths`
+    Also what `find_gaps` returns, see there. See `find_awake` for what patches these are. `lengths`
     are the step and the greatest distance; `room` is `moving` and scratch of both.
     """
     (cells, u, _), (every, patches), (dt, far), (moving, scratch, now) = moved, near, lengths, room
@@ -275,7 +291,8 @@ def find_near_gaps(frame, contact, walls, surface, moved, lengths, near, room) -
     every_move = find_around(surface, (every, patches), moving)
     more = chosen[moves:every_move]
     move_facets(frame, contact.rigid_bodies, surface, cells, u, more, scratch)
-    find_gaps(frame, contact, walls, surface, (cells, u), scratch, far, (every, patches))
+    own = every, patches
+    tilted = find_gaps(frame, contact, walls, surface, (cells, u), scratch, far, own)
     for k in range(awake):
         if patches.walks[k] == 0:
             continue
@@ -287,4 +304,4 @@ def find_near_gaps(frame, contact, walls, surface, moved, lengths, near, room) -
         else:
             of = surface, moved, scratch[0], (middle.facet, middle.other)
             set_place(frame, contact.rigid_bodies, *of, cell, known)
-    return awake
+    return awake, tilted

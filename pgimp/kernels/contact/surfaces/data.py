@@ -39,6 +39,9 @@ NEAR_FACET = structure(
 #: deformation gradients of both, in directions of the former.
 CLEAR, PLACE, KNOWN = 0, 1, 22
 
+#: More than any length; checkpoints have finite numbers.
+_FAR = 1e300
+
 
 class Surface(NamedTuple):
     """The facets of all bodies, by patch, see `pgimp.scene.bodies.surface_patches.Facets`."""
@@ -57,7 +60,7 @@ class Surface(NamedTuple):
     place: FloatArray  #: (n, 3) float64: Places in the cells, in cells from their first vertices.
     #: (n, 2, 3) float64: Half-edges of parallelograms with their second moments.
     edges: FloatArray
-    #: (n,): Marks: `TIP` beside a sharp edge, where both bodies' facets look; `FLAT`; `PLANE`.
+    #: (n,): Marks: `TIP` beside a sharp edge, where both bodies' facets look; see `nearest`.
     tip: NDArray[np.uint8]
     #: start, beside: (n + 1,) and (k,) int64: Neighbours of each facet.
     start: IntArray
@@ -104,7 +107,7 @@ class Patches(NamedTuple):
         awake = np.arange(len(begin))
         ways = np.full(len(begin), way)
         known = np.zeros((len(begin), KNOWN))
-        known[:, CLEAR] = -np.inf
+        known[:, CLEAR] = -_FAR
         return cls(np.append(begin, len(every)), awake, np.ones(len(begin), np.uint8), ways, known)
 
     def first(self, count: int) -> Self:
