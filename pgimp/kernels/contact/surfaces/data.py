@@ -36,7 +36,7 @@ NEAR_FACET = structure(
 
 #: What is known of a patch since the facets next to it were found: the way by which its gaps were
 #: from closing. From `PLACE` on the vector from the other body's facet to its middle one, and the
-#: deformation gradients of both, in directions of the former.
+#: deformation gradients of both; inf if these do not matter, as of patches that touch and move.
 CLEAR, PLACE, KNOWN = 0, 1, 22
 
 
@@ -112,6 +112,15 @@ class Patches(NamedTuple):
         return self._replace(
             awake=self.awake[:count], walks=self.walks[:count], ways=self.ways[:count]
         )
+
+
+@inner_kernel
+def least_side(frame):
+    """Least side of a cell."""
+    cell = frame.cell[0]
+    for d in range(len(frame.cell)):
+        cell = min(cell, frame.cell[d])
+    return cell
 
 
 @inlined
