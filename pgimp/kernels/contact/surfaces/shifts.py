@@ -3,7 +3,8 @@
 from math import inf, sqrt
 
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
-from pgimp.kernels.contact.surfaces.motion import placed
+from pgimp.jit.vectors.simd import pack, vector
+from pgimp.kernels.contact.surfaces.motion import cofactors, placed, square_of
 
 
 @inlined
@@ -40,18 +41,41 @@ def _rigid_turn(rigid_bodies, poses, surface, f):
 
 
 @inner_kernel
-def _turn(frame, cells, moved, c):
-    """Change of a unit vector that turns with the middle of a cell, and of strain as much."""
-    D, square = len(frame.cell), 0.0
-    for d in range(D):
-        bit = 1 << (D - 1 - d)
-        for k in range(D):
-            part = 0.0
-            for corner in range(1 << D):
-                x = moved[cells.corners[c, corner], k]
-                part += x if corner & bit else -x
-            square += (2.0 * part * frame.inverse[d] / (1 << D)) ** 2
-    return sqrt(0.5 * square)
+def _gradient(frame, cells, moved, c):
+    """Gradient of a field in the middle of a cell, a triple of columns in lanes."""
+    D, columns = len(frame.cell), (vector(0.0), vector(0.0), vector(0.0))
+    for corner in range(1 << D):
+        x = moved[cells.corners[c, corner]]
+        u = pack(x[0], x[1], x[2], 0.0)
+        columns = (
+            columns[0] + (u if corner >> (D - 1) & 1 else -u),
+            columns[1] + (u if D > 1 and corner >> (D - 2) & 1 else -u),
+            columns[2] + (u if D > 2 and corner & 1 else -u),
+        )
+    part = 2.0 / (1 << D)
+    return (
+        (part * frame.inverse[0]) * columns[0],
+        (part * frame.inverse[1] if D > 1 else 0.0) * columns[1],
+        (part * frame.inverse[2] if D > 2 else 0.0) * columns[2],
+    )
+
+
+@inner_kernel
+def _turn(frame, cells, moved, before, c):
+    """Change of a unit vector that turns with the middle of a cell, and of strain as much.
+
+    Both are relative to the cell as it was before.
+    """
+    G, F, square = _gradient(frame, cells, moved, c), _gradient(frame, cells, before, c), 0.0
+    F = (
+        F[0] + pack(1.0, 0.0, 0.0, 0.0), F[1] + pack(0.0, 1.0, 0.0, 0.0),
+        F[2] + pack(0.0, 0.0, 1.0, 0.0),
+    )  # fmt: skip
+    K, J = cofactors(F)
+    for d in range(3):
+        own = K[0][d] * G[0] + (K[1][d] * G[1] + K[2][d] * G[2])
+        square += square_of(own)
+    return sqrt(0.5 * square) / J if J > 0.0 else inf
 
 
 @kernel
@@ -64,27 +88,29 @@ def find_shifts(frame, surface, cells, clusters, moved, rigid, ends):
     ----------
     clusters : ((m + 1,) int64, (n,) int64)
         First entry of each cluster, and the facets of each.
-    moved : (v, 3) float64
-        Shifts of the surface vertices, nan where the rank does not know them.
+    moved : (v, 3) float64, (v, 3) float64
+        Shifts of the surface vertices, nan where the rank does not know them; and displacements
+        when shifts were zero.
     rigid : (RigidBodies, (n,) MOTION) or ((), ())
         The rigid bodies, and their motion when shifts were zero.
     ends : (2, m, D + 1) float64
         inf before; facets are left out whose shifts the rank does not know.
     """
     (first, members), (rigid_bodies, poses), D = clusters, rigid, len(frame.cell)
+    shifts, displacements = moved
     for c in range(len(first) - 1):
         before, turn = -1, 0.0
         for n in range(first[c], first[c + 1]):
             f = members[n]
             cell = surface.cell[f]
             if cell >= 0:
-                x = _shift(surface, cells, moved, f)
+                x = _shift(surface, cells, shifts, f)
             else:
                 x = _rigid_shift(rigid_bodies, poses, surface, f)
             if x[0] == x[0]:
                 if n == first[c] or cell != before:
                     if cell >= 0:
-                        turn = _turn(frame, cells, moved, cell)
+                        turn = _turn(frame, cells, shifts, displacements, cell)
                     else:
                         turn = _rigid_turn(rigid_bodies, poses, surface, f)
                     before = cell

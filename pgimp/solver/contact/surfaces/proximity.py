@@ -342,7 +342,8 @@ class Proximity:
             records = rank.grid.kept.values.reshape(-1, RECORD)
             now[own] = records.take(self._shared[own], axis=0)[:, U]
         ends = np.full((2, len(table.body), scene.dimension + 1), np.inf)
-        of = table.surface, table.cells, clusters, now - self._before, (rigid, self._poses)
+        moved = now - self._before, self._before
+        of = table.surface, table.cells, clusters, moved, (rigid, self._poses)
         self.call(find_shifts, scene.domain.frame, *of, ends)
         ends = least(self.comm, ends)
         ends[:, :, -1] = _TURNS * (ends[:, :, -1] + 0.5 * self._turned) - self._travel
