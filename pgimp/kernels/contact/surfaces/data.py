@@ -57,7 +57,7 @@ class Surface(NamedTuple):
     place: FloatArray  #: (n, 3) float64: Places in the cells, in cells from their first vertices.
     #: (n, 2, 3) float64: Half-edges of parallelograms with their second moments.
     edges: FloatArray
-    #: (n,): Marks: `TIP` beside a sharp edge, where both bodies' facets look; `FLAT`; `PLANE`.
+    #: (n,): Marks: `TIP` beside a sharp edge, where both bodies' facets look; `FLAT`; `PLANE`; side.
     tip: NDArray[np.uint8]
     #: start, beside: (n + 1,) and (k,) int64: Neighbours of each facet.
     start: IntArray

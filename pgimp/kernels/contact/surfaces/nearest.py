@@ -36,8 +36,8 @@ _BEYOND = 0.0857
 
 
 #: Marks of facets: beside a sharp edge; in a plane with their neighbours; without neighbours that
-#: are alike and not in their plane.
-TIP, FLAT, PLANE = 1, 2, 4
+#: are alike and not in their plane. And the bit from which on the number of its side is.
+TIP, FLAT, PLANE, SIDE = 1, 2, 4, 3
 
 #: Radii from a flat facet's centroid within which the one that a point is over is this or one
 #: beside it.

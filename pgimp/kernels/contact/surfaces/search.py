@@ -11,6 +11,7 @@ from pgimp.kernels.contact.surfaces.nearest import (
     ALIKE,
     FLAT,
     PLANE,
+    SIDE,
     STEEP,
     TIP,
     apart,
@@ -22,6 +23,10 @@ from pgimp.kernels.once.neighbours import first_not_below
 
 #: How far neighbours in a plane may be off: cosines of normals, and radii behind it.
 _IN_PLANE = 1e-6
+
+#: Difference of a normal's components beyond which one is greater: at 45 degrees all facets of a
+#: face are on one side, and a pair remains the same from step to step.
+_ROUNDING = 1e-6
 
 
 @kernel
@@ -67,12 +72,22 @@ def find_beside(x, body, key_of, bins, strides, radius, start, beside):
     return found
 
 
+@inner_kernel
+def _side_of(normal):
+    """Number of the side of a facet, by its normal in the initial state."""
+    axis = 0
+    for d in range(1, 3):
+        if abs(normal[d]) > abs(normal[axis]) + _ROUNDING:
+            axis = d
+    return 2 * axis + (1 if normal[axis] > 0.0 else 0)
+
+
 @kernel
 def find_tips(surface, sharp, near, inside, towards):
     """Mark the facets beside a sharp edge: a neighbour's normal is nearly the opposite one.
 
     Those in a plane with all of their neighbours, none of them across a seam, are `FLAT`; those
-    with none that are alike but not in it are of a `PLANE`. `sharp` is the greatest cosine between
+    with none that are alike but not in it are of a `PLANE`. Marks have the sides, too. `sharp` is the greatest cosine between
     normals at an edge. Sets in `inside`, (n,) bool, whether facets are in a plane with all
     neighbours within a length `near`. If that has one convex edge, `towards`, (n, 3) float64, is
     the unit vector across it, in the plane; else 0.
@@ -99,7 +114,7 @@ def find_tips(surface, sharp, near, inside, towards):
                 tip &= ~PLANE
             if alike < sharp and behind < 0.0:
                 tip |= TIP
-        surface.tip[f] = tip
+        surface.tip[f] = tip | _side_of(surface.normal[f]) << SIDE
         if edges != 1 or not tip & PLANE:
             way[0] = way[1] = way[2] = 0.0
 

@@ -227,6 +227,7 @@ class NearMaterial(Proximity):
         surface = self.surface._replace(
             cell=np.concatenate([self.surface.cell, len(cells.low) + np.arange(n)]),
             normal=np.concatenate([self.surface.normal, np.zeros((n, 3))]),
+            tip=np.concatenate([self.surface.tip, np.zeros(n, np.uint8)]),
         )
         more = cells._replace(
             start=np.concatenate([cells.start, entries + size * np.arange(1, n + 1)]),
