@@ -12,7 +12,15 @@ from math import inf, sqrt
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.jit.vectors.rows import load_row
 from pgimp.jit.vectors.simd import lane, pack, vector
-from pgimp.kernels.contact.surfaces.data import CLEAR, KNOWN, PLACE, Patches, least_side, turns
+from pgimp.kernels.contact.surfaces.data import (
+    CLEAR,
+    KNOWN,
+    PLACE,
+    UNKNOWN,
+    Patches,
+    least_side,
+    turns,
+)
 from pgimp.kernels.contact.surfaces.gaps import find_gaps
 from pgimp.kernels.contact.surfaces.motion import (
     cross,
@@ -216,7 +224,7 @@ def find_awake(frame, contact, surface, moved, dt, near, moving, scratch) -> tup
         wakes, walks = law[0] > 0, True
         if wakes and not _touches(known, law, way, cell):
             off = inf
-            if known[PLACE] < inf:
+            if known[PLACE] != UNKNOWN:
                 _set_place(frame, rigid_bodies, surface, moved, scratch[0], both, now)
                 off = _way_off(known, now, cell)
             wakes, walks = not known[CLEAR] - off - law[2] > 0.0, off > WALK * cell
@@ -294,7 +302,7 @@ def find_near_gaps(frame, contact, walls, surface, moved, lengths, near, room) -
         known, middle = patches.known[g], every[(patches.start[g] + patches.start[g + 1]) // 2]
         bodies, way = (surface.body[middle.facet], middle.body), patches.ways[k]
         law = law_of(contact.pairs, bodies[0], bodies[1], cell, way)
-        known[PLACE] = inf
+        known[PLACE] = UNKNOWN
         if not _touches(known, law, way, cell):
             both = middle.facet, middle.other
             _set_place(frame, rigid_bodies, surface, moved, scratch[0], both, known)

@@ -36,8 +36,11 @@ NEAR_FACET = structure(
 
 #: What is known of a patch since the facets next to it were found: the way by which its gaps were
 #: from closing. From `PLACE` on the vector from the other body's facet to its middle one, and the
-#: deformation gradients of both; inf if these do not matter, as of patches that touch and move.
+#: deformation gradients of both. They do not matter of patches that touch and move.
 CLEAR, PLACE, KNOWN = 0, 1, 22
+
+#: In place of the first number from `PLACE` on if these do not matter. Checkpoints are finite.
+UNKNOWN = 1e300
 
 
 class Surface(NamedTuple):
@@ -57,7 +60,8 @@ class Surface(NamedTuple):
     place: FloatArray  #: (n, 3) float64: Places in the cells, in cells from their first vertices.
     #: (n, 2, 3) float64: Half-edges of parallelograms with their second moments.
     edges: FloatArray
-    #: (n,): Marks: `TIP` beside a sharp edge, where both bodies' facets look; `FLAT`; `PLANE`; side.
+    #: (n,): Marks: `TIP` beside a sharp edge, where both bodies' facets look; `FLAT`; `PLANE`; and
+    #: the number of the side, from the bit `SIDE` on.
     tip: NDArray[np.uint8]
     #: start, beside: (n + 1,) and (k,) int64: Neighbours of each facet.
     start: IntArray

@@ -87,10 +87,10 @@ def find_tips(surface, sharp, near, inside, towards):
     """Mark the facets beside a sharp edge: a neighbour's normal is nearly the opposite one.
 
     Those in a plane with all of their neighbours, none of them across a seam, are `FLAT`; those
-    with none that are alike but not in it are of a `PLANE`. Marks have the sides, too. `sharp` is the greatest cosine between
-    normals at an edge. Sets in `inside`, (n,) bool, whether facets are in a plane with all
-    neighbours within a length `near`. If that has one convex edge, `towards`, (n, 3) float64, is
-    the unit vector across it, in the plane; else 0.
+    with none that are alike but not in it are of a `PLANE`. Marks have sides, too. `sharp` is the
+    greatest cosine between normals at an edge. Sets in `inside`, (n,) bool, whether facets are in a
+    plane with all neighbours within a length `near`. If that has one convex edge, `towards`, (n, 3)
+    float64, is the unit vector across it, in the plane; else 0.
     """
     for f in range(len(surface.x)):
         tip, inside[f], edges, way = FLAT | PLANE, True, 0, towards[f]
