@@ -97,8 +97,9 @@ def find_sides(surface, every, first, last, near):
         if every[n].gap < least:
             least, best = every[n].gap, n
     while best >= 0:
-        f = every[best].other
-        side = int64(surface.tip[f] >> SIDE) if f >= 0 else 0  # that of walls
+        f, side = every[best].other, 0  # that of walls
+        if f >= 0:
+            side = int64(surface.tip[f] >> SIDE)  # type: ignore[assignment]
         while mask >> side & 1:
             side += 6
         mask |= 1 << side
