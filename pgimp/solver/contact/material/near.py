@@ -230,6 +230,7 @@ class NearMaterial(Proximity):
             tip=np.concatenate([self.surface.tip, np.zeros(n, np.uint8)]),
         )
         more = cells._replace(
+            corners=cells.corners[:0],  # vertices have other numbers here
             start=np.concatenate([cells.start, entries + size * np.arange(1, n + 1)]),
             column=np.concatenate([self._column, np.zeros(n * size, np.int64)]),
             weight=np.concatenate([cells.weight, np.tile(np.eye(size), (n, 1))]),

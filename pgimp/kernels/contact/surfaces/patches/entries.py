@@ -16,7 +16,7 @@ def _add_cell(D, cells, c, place, at, seen, coupling):
     """
     (r, used), (sums, m), column, entry = at, place, coupling.column, coupling.entry
     plain, first, count = cells.plain[c], 0, 1 << D
-    known = plain and c < len(cells.corners)  # in memory that is at hand; others are of material
+    known = plain and c < len(cells.corners)  # in memory that is at hand
     if not known:
         first, count = cells.start[c], cells.start[c + 1] - cells.start[c]
     for n in range(count):
