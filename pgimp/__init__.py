@@ -1,9 +1,9 @@
 """pgimp: the Generalized Interpolation Material Point method, on slabs over MPI.
 
 From Python: ``load`` a case and change it, ``run`` it (under mpirun on all ranks), drive a
-``Simulation`` step by step, ``open`` a run directory, ``register_material`` for laws of your own,
-and decorators, as ``body_force``, for functions of your own. Importing pgimp imports neither MPI
-nor Numba nor h5py.
+``Simulation`` step by step, ``open`` a run directory. Laws of your own come in by
+``register_material``, functions by decorators, as ``body_force``. Importing pgimp imports neither
+MPI nor Numba nor h5py.
 """
 
 from __future__ import annotations

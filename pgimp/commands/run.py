@@ -4,23 +4,19 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
-from time import perf_counter
 from typing import TYPE_CHECKING
 
 from pgimp.errors import UsageError, explain
-from pgimp.io.rundir.rundir import RunDirectory
-from pgimp.io.rundir.runinfo import describe_start, installed
 from pgimp.mpi.collective import on_root
 from pgimp.mpi.comm import abort_on_error, world
 from pgimp.mpi.communicator import Communicator
 from pgimp.mpi.peers import within
 from pgimp.mpi.together import end_all_on_exceptions, require_same
-from pgimp.running.how import How, has_companions
+from pgimp.running.how import How
 from pgimp.running.log import Log
-from pgimp.running.progress import duration
 from pgimp.running.stop import Stop, wall_time
+from pgimp.utilities.job import Job
 
 if TYPE_CHECKING:
     from pgimp.case.load import Source
@@ -29,7 +25,6 @@ if TYPE_CHECKING:
     from pgimp.schema.overrides import Overrides
     from pgimp.solver.callbacks.callback import Each
     from pgimp.solver.callbacks.now import Now
-    from pgimp.solver.simulation import Simulation
 
 #: Exit status of a run that stopped early on request, with a checkpoint.
 STOPPED = 75
@@ -102,7 +97,7 @@ def execute(args: argparse.Namespace) -> int:
     log = Log(comm.rank == 0, args.quiet)
     with Stop(comm, args.wall_time) as stop:
         how = How(args.overwrite, args.resume, args.error, args.forecast)
-        ended = _run(case, text, comm, output, how, log, stop)
+        ended = Job(comm, output, log, stop, how, text).run(case)
     return 0 if ended or (args.forecast and not stop.reason) else STOPPED
 
 
@@ -197,7 +192,7 @@ def run(
         with Stop(comm, wall_time) as stop:
             log = Log(comm.rank == 0, quiet)
             how = How(overwrite, resume, error)
-            _run(own_levels(case), text, comm, Path(output), how, log, stop, calls)
+            Job(comm, Path(output), log, stop, how, text, calls).run(own_levels(case))
     return opened.open(output)
 
 
@@ -219,123 +214,3 @@ def _parse(text: bytes, name: str, overrides: Overrides) -> Case:
     from pgimp.case.reader import read_case
 
     return read_case(text, name, overrides)
-
-
-def _run(
-    case: Case,
-    text: bytes | None,
-    comm: Communicator,
-    output: Path,
-    how: How,
-    log: Log,
-    stop: Stop,
-    each: Each | None = None,
-) -> bool:
-    """Run a case in a directory; return whether it reached its end."""
-    ended, again = _run_once(case, text, comm, output, how, log, stop, each)
-    if not again:
-        return ended
-    how = how._replace(overwrite=False, resume=True)
-    return _run(case, text, comm, output, how, Log(log.speaks, log.quiet), stop, each)
-
-
-def _run_once(
-    case: Case,
-    text: bytes | None,
-    comm: Communicator,
-    output: Path,
-    how: How,
-    log: Log,
-    stop: Stop,
-    each: Each | None,
-) -> tuple[bool, bool]:
-    """Run a case; return whether it reached its end, and whether it is to run on smaller cells."""
-    from pgimp.case.choices.choose import lines as chosen_lines
-    from pgimp.case.choices.kept import carried
-    from pgimp.case.functions import functions_of
-    from pgimp.case.reader import dump_case
-    from pgimp.jit.compiled.cache import announced
-    from pgimp.jit.outside import digests
-    from pgimp.running.resume import Resumed, as_begun
-    from pgimp.running.resume import resume as load_pair
-    from pgimp.running.running import advance
-    from pgimp.storage.hdf5 import load_h5py
-
-    directory = RunDirectory(output, comm, how.overwrite, how.resume, tuple(case.probes))
-    try:
-        log.say(f"pgimp {installed('pgimp') or '(not installed)'}: {case.title or output.stem}")
-        began = perf_counter()
-        if comm.rank == 0:  # takes longer than writing most frames
-            load_h5py()
-        with announced(log.say):
-            if how.resume:
-                case = as_begun(case, comm, directory)
-            conclude: Callable[[], bool] = bool  # there is nothing to tell
-            if has_companions(case, directory, how):
-                from pgimp.utilities.accuracy import accompany
-
-                chosen = accompany.begin(case, directory, how, log, stop, _run)
-                if chosen is None:
-                    return False, False
-                case = carried(case, chosen.case)
-                conclude = partial(accompany.conclude, chosen, directory, log, stop)
-                if chosen.over:
-                    how = how._replace(resume=False)
-            found = load_pair(case, comm, directory, log, each) if how.resume else None
-            if found == "done":
-                log.say(f"{output} holds this run, done already: nothing is left to do")
-                return True, conclude()
-            resumed = found if isinstance(found, Resumed) else None
-            sim = _set_up(case, comm, log, began, each) if resumed is None else resumed.sim
-        for line in chosen_lines(case):
-            log.say(f"chosen: {line}")
-        for note in sim.notes:
-            log.say(f"note: {note}")
-        for warning in sim.warnings:
-            log.say(f"warning: {warning}")
-        step = None if resumed is None else sim.step
-        texts = {"case.yaml": dump_case(case).encode()} | ({"input.yaml": text} if text else {})
-        about = describe_start(comm, sim.count, step)
-        if isinstance(case.time.step, float | int):
-            about["courant"] = sim.rate * float(case.time.step)
-        own = {
-            "materials": digests(sim.scene.materials.parameters),
-            "functions": digests(entry.source() for entry in functions_of(case)),
-        }
-        about |= {key: known for key, known in own.items() if known}
-        if step is not None:
-            _warn_of_edited(own, directory, log)
-        directory.prepare(texts, about, resumed is not None)
-        log.write_to(output / "log.txt")
-        ended = advance(case, sim, resumed and resumed.about, directory, log, stop)
-        return ended, ended and conclude()
-    finally:
-        directory.release()
-        log.close()
-
-
-def _warn_of_edited(own: dict[str, dict[str, str]], directory: RunDirectory, log: Log) -> None:
-    """Warn of materials and functions of one's own that have changed since the run began."""
-    for key, now in own.items():
-        before = (directory.before or {}).get(key)
-        for name, known in before.items() if isinstance(before, dict) else ():
-            if now.get(name) != known:
-                log.say(
-                    f"warning: {name} is not what it was when the run began; from here on the "
-                    f"{key.removesuffix('s')} acts as it does now"
-                )
-
-
-def _set_up(
-    case: Case, comm: Communicator, log: Log, began: float, each: Each | None
-) -> Simulation:
-    from pgimp.solver.simulation import Simulation
-
-    sim = Simulation(case, comm, each=each)
-    ranks = f"{comm.size} ranks" if comm.size > 1 else "1 rank"
-    stages = f" in {len(case.stages)} stages" if case.time.stages else ""
-    log.say(
-        f"{sim.count} particles in {sim.scene.dimension}D on {ranks}, "
-        f"to t = {case.time.last:.6g}{stages}; set up in {duration(perf_counter() - began)}"
-    )
-    return sim

@@ -1,7 +1,7 @@
 """Fields computed from stress and deformation, for frames and probes that name them.
 
-Only correctly rounded operations, in a fixed order, precede roots, logarithms and angles, so that
-the bits of a particle do not depend on where in an array it is.
+Only correctly rounded operations, in a fixed order, precede roots, logarithms and angles. So the
+bits of a particle do not depend on where in an array it is.
 """
 
 from __future__ import annotations

@@ -14,6 +14,7 @@ from pgimp.physics.loads.turning import Triple, Turning, rotation_matrix
 from pgimp.schema.base import Model, Positive, Vector
 from pgimp.schema.dispatch import Either, WithKey
 from pgimp.schema.tables import VaryingVector, VectorFunction
+from pgimp.schema.time_functions import TimeFunction
 
 
 class Pose(NamedTuple):
@@ -81,6 +82,21 @@ class Motion(Model):
         rate = self.rotation.speed(t) if self.rotation else 0.0
         u, v, w = (rate * n for n in self.axis)
         return (x, y, z), (u, v, w)
+
+    def mean_velocities(self, start: float, end: float) -> tuple[Triple, Triple]:
+        """Return the means of `velocities` over a step: what it moves by, over the time."""
+        along, about = self.velocities(end)
+        dt = end - start
+        if isinstance(self.velocity, VectorFunction) and dt > 0.0:
+            u, v = self.displacement(start), self.displacement(end)
+            along = ((v[0] - u[0]) / dt, (v[1] - u[1]) / dt, (v[2] - u[2]) / dt)
+        if self.rotation and isinstance(self.rotation.rate, TimeFunction) and dt > 0.0:
+            rate, (x, y, z) = (
+                (self.rotation.angle(end) - self.rotation.angle(start)) / dt,
+                self.axis,
+            )
+            about = (rate * x, rate * y, rate * z)
+        return along, about
 
     def greatest(self) -> tuple[float, float]:
         """Return the greatest velocity of the reference point, and angular velocity."""

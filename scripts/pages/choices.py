@@ -1,14 +1,8 @@
 """The tables of what is chosen for a case that names no method, from pgimp's own rules."""
 
-from pgimp.case.choices.rules import (
-    BY_MATERIAL,
-    CONTACT,
-    MASS,
-    OF_BODIES,
-    OF_SCENES,
-    VOLUMETRIC,
-    Rule,
-)
+from pgimp.case.choices.body_rules import MASS, OF_BODIES, VOLUMETRIC
+from pgimp.case.choices.rules import Rule
+from pgimp.case.choices.scene_rules import BY_MATERIAL, CONTACT, OF_SCENES
 
 
 def rules() -> str:

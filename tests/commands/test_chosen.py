@@ -68,7 +68,7 @@ def test_check_writes_the_choices_into_the_case(folder, capsys):
     assert path.read_text() == CASE
     assert main(["check", str(path), "--write"]) == 0
     text = path.read_text()
-    assert "# not long" in text and "step: {courant: 0.3}" in text
+    assert "# not long" in text and "step: {courant: auto}" in text
     assert "block: {formulation: total-lagrangian, " in text
     assert pgimp.load(path).model_dump() == pgimp.load(folder / "case.yaml").model_dump()
     capsys.readouterr()

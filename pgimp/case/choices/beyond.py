@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from pgimp.case.choices.facts import FLOWING, kind_of
-from pgimp.case.choices.rules import LARGE
+from pgimp.case.choices.scene_rules import LARGE
 
 #: Stands for `pgimp.case.schema.Case`, whose module imports the choices.
 Case = Any

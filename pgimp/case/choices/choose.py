@@ -6,8 +6,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from pgimp.case.body import has_means
+from pgimp.case.choices.body_rules import MASS, OF_BODIES, VOLUMETRIC
 from pgimp.case.choices.facts import BodyChoice, Meeting, SceneChoice, facts_of, meeting
-from pgimp.case.choices.rules import CONTACT, MASS, OF_BODIES, OF_SCENES, VOLUMETRIC, Rule, rule_of
+from pgimp.case.choices.rules import Rule, rule_of
+from pgimp.case.choices.scene_rules import CONTACT, OF_SCENES
 from pgimp.schema.pages import page
 
 #: Stands for `pgimp.case.schema.Case`, whose module imports these.

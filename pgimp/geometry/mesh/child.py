@@ -3,9 +3,9 @@
 Readers of dozens of formats get unchecked files. They may print, exit, loop, or allocate the sizes
 in a damaged header. Here they have limits of memory and time, and a failure ends only this process.
 Other files that a mesh names are opened only if they are on a disk: a pipe may never get data.
-Standard output gets arrays in NumPy's format: the numbers of blocks and of groups, points, for each
-block of cells its type and the cells, and for each group its name and the numbers of its cells.
-Errors are one line on standard error.
+Standard output gets arrays in NumPy's format: the numbers of blocks and of groups, then points.
+For each block of cells its type and the cells follow, for each group its name and the numbers of
+its cells. Errors are one line on standard error.
 """
 
 import os

@@ -1,6 +1,6 @@
 """Velocity fields of bodies by a greedy colouring, from their bounding boxes.
 
-Close bodies are found by a sweep: in the order of their lower ends along an axis, each is compared
+Close bodies are found by a sweep in the order of their lower ends along an axis. Each is compared
 with those after it up to its upper end and the distance asked for.
 """
 

@@ -1,7 +1,7 @@
 """Motion that vertices keep: velocity and displacement in the initial configuration.
 
-Weights never change there, so that vertices can keep their velocities, and particles need none of
-their own (total Lagrangian method with its state at the vertices). A step is then symplectic Euler
+Weights never change there, so that vertices can keep their velocities. Particles need none of their
+own (total Lagrangian method with its state at the vertices). A step is then symplectic Euler
 with a constant lumped mass: momentum and angular momentum are conserved to rounding, energy is
 bounded, and no particle has a velocity that no vertex sees.
 """

@@ -89,8 +89,8 @@ def apply_constraints(field, forcing, ledger):
         As in `update_momentum`, which has booked gravity's work with the velocity before.
     ledger : Ledger
         `constraint_impulse` grows by the momentum that each constraint gives to the vertices, and
-        by its moment where it turns, `work` by that momentum times the velocity after the last
-        constraint.
+        by its moment where it turns. `work` grows by that momentum times the velocity after the
+        last constraint.
     """
     G, active, owned, plane = field.G, field.active, field.owned, field.window.stride[0]
     marked, relaxation = forcing.marked, forcing.loads.relaxation

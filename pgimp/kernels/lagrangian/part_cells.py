@@ -6,8 +6,8 @@ are their own. About a cell's lowest corner its displacements are, with t from 0
     u = u0 + a_x t_x + a_y t_y + a_z t_z + a_yz t_y t_z + a_xz t_x t_z + a_xy t_x t_y
         + a_xyz t_x t_y t_z.
 
-So means of the gradients over a part need the means of t and of its products there only, and sums
-of their adjoint over the parts are a cell's forces. Elsewhere `pgimp.kernels.transfer.parts` has
+So means of the gradients over a part need the means of t and of its products there only. Sums of
+their adjoint over the parts are a cell's forces. Elsewhere `pgimp.kernels.transfer.parts` has
 the same means by vertex. Materials are elastic.
 """
 

@@ -1,8 +1,8 @@
 """Factors of loads on surfaces along a line: a table in a coordinate that moves.
 
 The factor of a part is its mean over the length that the part covers along the line, about its
-centroid. So parts side by side cover a table without gaps, and the sum of their forces is exact
-where the surface is straight, wherever the table is between the particles.
+centroid. So parts side by side cover a table without gaps. Where the surface is straight the sum
+of their forces is exact, wherever the table is between the particles.
 
 In 2D a part covers what its area vector says, also where a body's end cuts it; rings likewise. In
 3D it is the particle's width along the surface, in the direction that covers most. A part on an

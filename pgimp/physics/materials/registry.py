@@ -1,8 +1,8 @@
 """Materials by their name in the case: pgimp's own, and registered ones.
 
 A case is data and never names code. The material behind a name in ``model:`` has to be registered.
-That is done by a program (`register_material`), by a file on the command line (``--import``), or by
-an installed package with an entry point in the group ``pgimp.materials``.
+A program does that (`register_material`), a file on the command line (``--import``), or an
+installed package with an entry point in the group ``pgimp.materials``.
 """
 
 from __future__ import annotations

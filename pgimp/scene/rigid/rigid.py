@@ -258,6 +258,8 @@ class SceneRigidBodies:
             pose = self.pose(number, start, free)
             if isinstance(motion := self.entries[number].rigid, Motion):
                 before, after = motion.velocities(start), motion.velocities(end)
+                if self.by_surfaces:  # gaps close by what moves within the step
+                    after = motion.mean_velocities(start, end)
                 placed = (pose, before, after, motion.displacement(start))
                 if self._placed.get(number) == placed:  # it waits for its time
                     continue

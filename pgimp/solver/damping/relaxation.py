@@ -9,9 +9,10 @@ without damping. Short waves die away in a few of their periods, whatever the sl
 one reaches its static place at w t = pi, with little overshoot of stresses on the way. There the
 motion begins to slow down by itself: all velocities become zero, and n begins anew.
 
-It is gradient-based adaptive restart (O'Donoghue and Candes 2015) of Nesterov's method in its form
-as an equation of motion (Su, Boyd and Candes 2016), with 2 in place of their 3. Kinetic damping has
-0, and stops in the short waves where a load sets in; viscous damping needs the slowest frequency.
+It is gradient-based adaptive restart (O'Donoghue and Candes 2015) of Nesterov's method. Its
+equation of motion is that of Su, Boyd and Candes (2016), with 2 in place of their 3. Kinetic
+damping has 0, and stops in the short waves where a load sets in; viscous damping needs the slowest
+frequency.
 """
 
 from __future__ import annotations

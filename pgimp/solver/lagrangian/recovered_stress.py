@@ -1,9 +1,9 @@
 """Stress at any point of bodies in the initial configuration, recovered from particles near it.
 
 Stresses of particles have an error of first order, as they are even over a cell along one direction
-or another. That is opposite on both sides of the cell's middle, and a linear function through them
-has little of it (as the recovery of Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 33, 1331-1364,
-1992).
+or another. That is opposite on both sides of the cell's middle, so that a linear function through
+them has little of it. It is a recovery as that of Zienkiewicz and Zhu (Int. J. Numer. Meth. Engng
+33, 1331-1364, 1992).
 """
 
 from __future__ import annotations

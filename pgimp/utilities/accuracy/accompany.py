@@ -47,14 +47,19 @@ if TYPE_CHECKING:
 
 
 def begin(
-    case: Case, directory: RunDirectory, how: How, log: Log, stop: Stop, run: Callable[..., bool]
+    case: Case,
+    directory: RunDirectory,
+    how: How,
+    log: Log,
+    stop: Stop,
+    run: Callable[[Case, Path], bool],
 ) -> Chosen | None:
     """Do the companion runs of a case, or those that are missing; collective.
 
     Parameters
     ----------
     run : callable
-        `pgimp.commands.run._run`, which runs a case in a directory.
+        Runs a companion in its directory, or what is left of it; whether it reached its end.
 
     Returns
     -------
@@ -77,9 +82,8 @@ def begin(
 
     for one in planned:
         log.say(f"companion run on cells of {one.cells}, in {one.path}")
-        quiet = Log(comm.rank == 0, True)
         try:
-            ended = run(one.case, None, comm, one.path, How(resume=True), quiet, stop)
+            ended = run(one.case, one.path)
         except PgimpError as error:
             text = (
                 f"the companion run in {one.path} failed: {error}\n"

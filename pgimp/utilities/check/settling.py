@@ -2,8 +2,8 @@
 
 The slowest mode is at its static place after half of its period, and what begins anew after that
 takes little (docs/case-file.md#how-it-comes-to-rest). Half a period is some travel times of a wave
-along a compact body, as many more as it is slender where it bends, and more in a liquid that
-sloshes. Bodies that touch move together: what stands on others sways with them.
+along a compact body. It is as many more as the body is slender where it bends, and more in a liquid
+that sloshes. Bodies that touch move together: what stands on others sways with them.
 """
 
 from __future__ import annotations

@@ -73,8 +73,8 @@ def picture(
     selection : Selection
         Particles to draw.
     look : Look
-        Its looks. The colours' range is by default that of the drawn particles, without half a per
-        cent at an end that would widen it by more than a quarter.
+        Its looks. The colours' range is by default that of the drawn particles. Half a per cent at
+        an end is left out if it would widen it by more than a quarter.
 
     Returns
     -------

@@ -129,9 +129,16 @@ PUSHED = _scene(
     0.02, title="Passive wall", boundaries={"y-min": "slip", "x-max": "slip"},
     gravity={"table": [[0.0, [0.0, 0.0]], [0.3, [0.0, -1.0]]]},
 )  # fmt: skip
-#: Half a column of dry sand, as high as half its width, that collapses on a rough floor.
-HEAP = _scene(
-    [3.8, 1.2], 0.05, 6.0 * 9.81**-0.5, LOOSE | {"young": 1.0e6},
-    {"column": _body(box([0.0, 0.0], [1.0, 1.0]))}, 0.1, title="Heap",
-    boundaries={"x-min": "slip", "x-max": "slip", "y-min": ROUGH}, gravity=[0.0, -9.81],
-)  # fmt: skip
+
+
+def _sand(ratio):
+    """Half a column of dry sand, `ratio` times as high as wide, on a rough floor."""
+    return _scene(
+        [2.2 + 1.6 * ratio, ratio + 0.2], 0.05, 6.0 * (ratio / 9.81) ** 0.5,
+        LOOSE | {"young": 1.0e6 * ratio}, {"column": _body(box([0.0, 0.0], [1.0, ratio]))}, 0.1,
+        title="Heap", boundaries={"x-min": "slip", "x-max": "slip", "y-min": ROUGH},
+        gravity=[0.0, -9.81],
+    )  # fmt: skip
+
+
+HEAP, TALL = _sand(1.0), _sand(3.0)

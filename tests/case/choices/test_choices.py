@@ -9,10 +9,11 @@ from two_blocks import CASE
 
 import pgimp
 from pgimp.case.choices.beyond import beyond
+from pgimp.case.choices.body_rules import MASS, OF_BODIES
 from pgimp.case.choices.choose import lines
 from pgimp.case.choices.facts import FLOWING
 from pgimp.case.choices.kept import kept
-from pgimp.case.choices.rules import MASS, OF_BODIES, OF_SCENES
+from pgimp.case.choices.scene_rules import OF_SCENES
 from pgimp.case.choices.written import written
 from pgimp.case.reader import read_case
 from pgimp.case.writer import dump_case
@@ -51,10 +52,10 @@ def test_an_elastic_body_is_in_the_initial_configuration():
     assert case.bodies["body"].mass == "averaged"  # nothing meets
     assert case.watched and not case.method.affine
     walled = pgimp.load(bare(2, block(), boundaries={"y-min": "unilateral"}))
-    assert walled.bodies["body"].mass is None and walled.courant == 0.3
+    assert walled.bodies["body"].mass is None and walled.watched
     assert pgimp.load(bare(1, box([2.0], [5.0]))).method.particles_per_cell == (1,)
     thrown = pgimp.load(bare(1, box([2.0], [5.0]), boundaries={"x-min": "unilateral"}))
-    assert thrown.bodies["body"].mass == "averaged" and thrown.courant == 0.3  # waves in bars
+    assert thrown.bodies["body"].mass == "averaged" and thrown.watched  # waves in bars
 
 
 @pytest.mark.parametrize("material", [WATER, CLAY])

@@ -158,3 +158,20 @@ def test_free_rigid_bodies_take_what_others_lose():
         last["rigid.ball.work"], rtol=1e-9,
     )  # fmt: skip
     assert max(whole) < whole[0] * (1.0 + 1e-3) and deep > -0.05
+
+
+@pytest.mark.parametrize("stops", [0.0, 1.2])
+def test_a_tool_that_slows_down_within_a_few_steps_does_not_sink_in(stops):
+    """It moves by the mean of its velocity over a step: contact with that at the end lets it in.
+
+    In three steps, from 0.11 of the wave speed to rest or back, that would be 0.02 to 0.05 cells.
+    """
+    rows = [[0.0, [0.0, -1.2]], [0.6, [0.0, -1.2]], [0.72, [0.0, stops]], [0.9, [0.0, stops]]]
+    bodies = {
+        "block": box([2.0, 0.0], [7.0, 3.0]) | EXACT,
+        "plate": {"rigid": {"velocity": {"table": rows}},
+                  "region": {"box": {"min": [0.5, 3.01], "max": [8.5, 4.5]}}},
+    }  # fmt: skip
+    _, deep = run(scene(2, bodies, cells=[9, 6], step={"courant": "auto"}, end=0.9,
+                        boundaries={"y-min": "fixed"}, contact=[{"bodies": "all"}]))  # fmt: skip
+    assert deep > -4e-3  # twice the length over which weights fade
