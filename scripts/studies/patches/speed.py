@@ -1,7 +1,12 @@
-"""Time of a step in contact over that of the same blocks in free fall, by turns."""
+"""Time of a step in contact over that of the same blocks in free fall."""
+
+from time import process_time
 
 import numpy as np
+from studies.harness import CASES
 from studies.scenes import box, by_turns, case_of, core
+
+import pgimp
 
 CELL = 0.08
 RUBBER = {"model": "neo-hookean", "young": 3.0e5, "poisson": 0.3, "density": 1000.0}
@@ -53,3 +58,19 @@ def speed(kind, cells, settle=200, rounds=10, steps=20):
         "ratio": touching / free, "million": 1e-6 * count / touching, "sweeps": sweeps / steps,
         "particles": count,
     }  # fmt: skip
+
+
+def bounce(runs=3):
+    """As `speed` of `block3d`, which falls and bounces: means of steps, with searches."""
+    found = []
+    for _ in range(runs):
+        sim, spent = pgimp.Simulation(CASES / "block3d.yaml"), []
+        for start, end in ((0.1, 0.26), (0.287, 0.36)):
+            sim.advance(start)
+            began, steps = process_time(), sim.steps
+            sim.advance(end)
+            spent.append((process_time() - began) / (sim.steps - steps))
+        found.append(spent)
+    free, touching = np.median(found, axis=0)
+    count = len(sim.particles["id"])
+    return {"ratio": touching / free, "million": 1e-6 * count / touching, "particles": count}

@@ -23,6 +23,7 @@ class Solved(NamedTuple):
     inverse_mass: FloatArray
     held_impulse: FloatArray
     #: (k,) float64: Change of each entry's vertex by a unit impulse, for the rows that are `free`.
+    #: There may be room for more entries and rows.
     moved: FloatArray
     free: NDArray  #: (rows,) bool: Whether all components of a row's vertices are free.
     #: (rows, 3) float64: Compliance of the pairs' own, by row; none, of 0 rows, on the grid.
@@ -63,7 +64,7 @@ def begin_solution(frame, values, coupling, solved):
         # Until the rows are found, the last one of the four, which nothing reads.
         store_row(solved.held_impulse, j, 0, zero)
         solved.held_impulse[j, 3] = _uniform(frame, inverse_mass, j)
-    for r in range(len(solved.free)):
+    for r in range(len(coupling.answer)):
         free = True
         for k in range(start[r], start[r + 1]):
             mobility = solved.held_impulse[column[k], 3]

@@ -12,15 +12,7 @@ from math import inf, sqrt
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.jit.vectors.rows import load_row
 from pgimp.jit.vectors.simd import lane, pack, vector
-from pgimp.kernels.contact.surfaces.data import (
-    CLEAR,
-    KNOWN,
-    PLACE,
-    UNKNOWN,
-    Patches,
-    least_side,
-    turns,
-)
+from pgimp.kernels.contact.surfaces.data import CLEAR, FAR, KNOWN, PLACE, Patches, least_side, turns
 from pgimp.kernels.contact.surfaces.gaps import find_gaps
 from pgimp.kernels.contact.surfaces.motion import (
     cross,
@@ -43,6 +35,9 @@ _AROUND, _BEYOND = 1.0, 2.0
 
 #: `side` of the middle facet of a patch that rests.
 RESTS = -2
+
+#: Facets of a patch before a wall up to which these are moved without a look at its middle one.
+_FEW = 4
 
 
 @inlined
@@ -218,13 +213,15 @@ def find_awake(frame, contact, surface, moved, dt, near, moving, scratch) -> tup
     for g in range(len(patches.start) - 1):
         first, last = patches.start[g], patches.start[g + 1]
         known, middle = patches.known[g], every[(first + last) // 2]
-        both = middle.facet, middle.other
+        s, both = middle.facet, (middle.facet, middle.other)
         way = dt * _approach(D, rigid_bodies, surface, moved, both, cell)
-        law = law_of(contact.pairs, surface.body[both[0]], middle.body, cell, way)
+        law = law_of(contact.pairs, surface.body[s], middle.body, cell, way)
         wakes, walks = law[0] > 0, True
-        if wakes and not _touches(known, law, way, cell):
+        if middle.other < 0 and last - first <= _FEW and surface.cell[s] >= 0:
+            walks = False
+        elif wakes and not _touches(known, law, way, cell):
             off = inf
-            if known[PLACE] != UNKNOWN:
+            if known[PLACE] != FAR:
                 _set_place(frame, rigid_bodies, surface, moved, scratch[0], both, now)
                 off = _way_off(known, now, cell)
             wakes, walks = not known[CLEAR] - off - law[2] > 0.0, off > WALK * cell
@@ -276,10 +273,10 @@ def find_around(surface, near, moving) -> int:
 
 
 @kernel
-def find_near_gaps(frame, contact, walls, surface, moved, lengths, near, room) -> int:
+def find_near_gaps(frame, contact, walls, surface, moved, lengths, near, room) -> tuple[int, bool]:
     """Find the gaps of the patches that may have a pair in a step; returns how many patches.
 
-    See `find_awake` for what patches and facets these are, and `find_gaps` for the rest. `lengths`
+    Also what `find_gaps` returns, see there. See `find_awake` for what patches these are. `lengths`
     are the step and the greatest distance; `room` is `moving` and scratch of both.
     """
     (cells, u, _), (every, patches), (dt, far), (moving, scratch, row) = moved, near, lengths, room
@@ -294,7 +291,8 @@ def find_near_gaps(frame, contact, walls, surface, moved, lengths, near, room) -
     every_move = find_around(surface, (every, patches), moving)
     more = chosen[moves:every_move]
     move_facets(frame, rigid_bodies, surface, cells, u, more, scratch)
-    find_gaps(frame, contact, walls, surface, (cells, u), scratch, far, (every, patches))
+    own = every, patches
+    tilted = find_gaps(frame, contact, walls, surface, (cells, u), scratch, far, own)
     for k in range(awake):
         if patches.walks[k] == 0:
             continue
@@ -302,8 +300,8 @@ def find_near_gaps(frame, contact, walls, surface, moved, lengths, near, room) -
         known, middle = patches.known[g], every[(patches.start[g] + patches.start[g + 1]) // 2]
         bodies, way = (surface.body[middle.facet], middle.body), patches.ways[k]
         law = law_of(contact.pairs, bodies[0], bodies[1], cell, way)
-        known[PLACE] = UNKNOWN
+        known[PLACE] = FAR
         if not _touches(known, law, way, cell):
             both = middle.facet, middle.other
             _set_place(frame, rigid_bodies, surface, moved, scratch[0], both, known)
-    return awake
+    return awake, tilted

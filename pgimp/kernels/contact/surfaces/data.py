@@ -39,8 +39,9 @@ NEAR_FACET = structure(
 #: deformation gradients of both. They do not matter of patches that touch and move.
 CLEAR, PLACE, KNOWN = 0, 1, 22
 
-#: In place of the first number from `PLACE` on if these do not matter. Checkpoints are finite.
-UNKNOWN = 1e300
+#: More than any length; checkpoints have finite numbers. The first number from `PLACE` on is this
+#: where these do not matter.
+FAR = 1e300
 
 
 class Surface(NamedTuple):
@@ -60,8 +61,7 @@ class Surface(NamedTuple):
     place: FloatArray  #: (n, 3) float64: Places in the cells, in cells from their first vertices.
     #: (n, 2, 3) float64: Half-edges of parallelograms with their second moments.
     edges: FloatArray
-    #: (n,): Marks: `TIP` beside a sharp edge, where both bodies' facets look; `FLAT`; `PLANE`; and
-    #: the number of the side, from the bit `SIDE` on.
+    #: (n,): Marks: `TIP` beside a sharp edge, where both bodies' facets look; see `nearest`.
     tip: NDArray[np.uint8]
     #: start, beside: (n + 1,) and (k,) int64: Neighbours of each facet.
     start: IntArray
@@ -108,7 +108,7 @@ class Patches(NamedTuple):
         awake = np.arange(len(begin))
         ways = np.full(len(begin), way)
         known = np.zeros((len(begin), KNOWN))
-        known[:, CLEAR] = -np.inf
+        known[:, CLEAR] = -FAR
         return cls(np.append(begin, len(every)), awake, np.ones(len(begin), np.uint8), ways, known)
 
     def first(self, count: int) -> Self:

@@ -19,6 +19,7 @@ from pgimp.kernels.contact.surfaces.nearest import (
     BESIDE_BEHIND,
     FACES,
     STEEP,
+    WIDE,
     approach,
     pairs_with,
     until_facing,
@@ -45,6 +46,9 @@ _SPREADS = 0.05
 
 #: Depth in cells beyond which a point has to be behind the facets round an edge as well.
 _EDGE = 0.01
+
+#: Tilt of wide facets beyond which these are to be parted.
+_TILTED = 0.015
 
 #: Facets of a face that are tried, at most, each beside the one before, for that below a point.
 _ATTEMPTS = 8
@@ -259,9 +263,19 @@ def _find_wall_gaps(frame, walls, surface, every, first, last, cell):
     return least
 
 
+@inner_kernel
+def _tilts(surface, near):
+    """Whether a facet is a wide one that no longer lies on what it meets."""
+    if not surface.tip[near.facet] & WIDE:
+        return False
+    return near.facing < facing_part(0.5 * _TILTED * _TILTED - 1.0)
+
+
 @kernel
-def find_gaps(frame, contact, walls, surface, moved, scratch, far, near):
+def find_gaps(frame, contact, walls, surface, moved, scratch, far, near) -> bool:
     """Find the gaps between facets and the other bodies next to them.
+
+    Returns whether any wide facets that may have a gap have tilted too far to be one.
 
     Parameters
     ----------
@@ -280,7 +294,7 @@ def find_gaps(frame, contact, walls, surface, moved, scratch, far, near):
         Those of patches that rest stay as they are. Of ways below 0 every gap is looked for. Of
         patches that walk `CLEAR` is set.
     """
-    D, (cells, u), (every, patches) = len(frame.cell), moved, near
+    D, (cells, u), (every, patches), tilted = len(frame.cell), moved, near, False
     cell, c, used = frame.cell[0], -1, 0
     for d in range(D):
         cell = min(cell, frame.cell[d])
@@ -292,6 +306,8 @@ def find_gaps(frame, contact, walls, surface, moved, scratch, far, near):
         looks = law[2] if patches.ways[k] >= 0.0 else inf
         if body >= walls.first:
             clear = _find_wall_gaps(frame, walls, surface, every, first, last, cell)
+            for n in range(first, last):
+                tilted = tilted or _tilts(surface, every[n])
         for n in range(first, last if body < walls.first else first):
             every[n].gap, away = approach(D, surface, every[n], frame.cell[0], walks, far)
             least, clear = min(least, every[n].gap), min(clear, away)
@@ -305,5 +321,7 @@ def find_gaps(frame, contact, walls, surface, moved, scratch, far, near):
                 set_polynomial(D, cells, own, u, scratch[0])
             used = _find_gap(frame, contact.rigid_bodies, surface, moved, scratch, one, used)
             c = surface.cell[one.other] if own >= 0 else c
+            tilted = tilted or _tilts(surface, one)
         if walks:
             patches.known[g, CLEAR] = clear
+    return tilted

@@ -39,8 +39,8 @@ _BEYOND = 0.0857
 
 
 #: Marks of facets: beside a sharp edge; in a plane with their neighbours; without neighbours that
-#: are alike and not in their plane. Then the first bit of the number of its side.
-TIP, FLAT, PLANE, SIDE = 1, 2, 4, 3
+#: are alike and not in their plane; of a wide one. Then the first bit of the number of its side.
+TIP, FLAT, PLANE, WIDE, SIDE = 1, 2, 4, 8, 4
 
 #: Radii from a flat facet's centroid within which the one that a point is over is this or one
 #: beside it.

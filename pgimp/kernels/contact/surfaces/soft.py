@@ -294,9 +294,9 @@ def solve_softly(contact, free, kept, pairs, coupling, solved, room, limits) -> 
         store_row(softened.inverse_mass, j, 0, (1.0 - SOFT) * load_row(solved.inverse_mass, j, 0))
         store_row(softened.held_impulse, j, 0, load_row(solved.held_impulse, j, 0))
         store_row(sums, j, 0, vector(0.0))
-    for k in range(len(solved.moved)):
+    for k in range(len(coupling.column)):
         softened.moved[k] = (1.0 - SOFT) * solved.moved[k]
-    for r in range(len(answer)):
+    for r in range(len(coupling.answer)):
         softened.free[r] = solved.free[r]
         for d in range(3):
             answer[r, d], softened.soft[r, d] = coupling.answer[r, d], 0.0

@@ -49,11 +49,16 @@ def swap_parts(
 
 def greatest(comm: Communicator, value: float) -> float:
     """Return the greatest value of all ranks; collective."""
+    return greatest_of(comm, value)[0]
+
+
+def greatest_of(comm: Communicator, *values: float) -> tuple[float, ...]:
+    """Return the greatest of each value of all ranks; collective."""
     if comm.size == 1:
-        return value
+        return values
     from mpi4py import MPI
 
-    return float(_reduced(comm, np.array([value]), MPI.MAX)[0])
+    return (*_reduced(comm, np.array(values, float), MPI.MAX).tolist(),)
 
 
 def total(comm: Communicator, values: np.ndarray) -> np.ndarray:

@@ -22,7 +22,8 @@ _CELLS = 16
 class Room:
     """Arrays for pairs, their rows, and their solution. Nothing in them lasts.
 
-    Slices are kept as long as sizes hold: in small scenes they cost as much as kernels.
+    Slices are kept as long as sizes hold: in small scenes they cost as much as kernels. Arrays of
+    rows, entries and pairs of a solution have room for more.
 
     Attributes
     ----------
@@ -34,6 +35,7 @@ class Room:
         self._kept: dict[str, np.ndarray] = {}
         self._made: dict[str, tuple[tuple[int, ...], Any]] = {}  # with their sizes
         self.entries = 0
+        self._most = [0, 0, 0]  # rows, entries and pairs of solutions
 
     def _have(self, name: str, count: int, *shape: int, of: Any = np.float64) -> np.ndarray:
         """An array of a kind, with any numbers in it."""
@@ -89,14 +91,21 @@ class Room:
 
     def solved(self, vertices: int, coupling: Coupling) -> Solved:
         """Vertices for `begin_solution`."""
-        sizes = vertices, len(coupling.answer), len(coupling.column)
-        return self._once("solved", self._without_soft, *sizes)
+        self._grow(len(coupling.answer), len(coupling.column))
+        return self._once("solved", self._without_soft, vertices)
 
-    def _without_soft(self, vertices: int, rows: int, entries: int) -> Solved:
-        return self._solved("", vertices, rows, entries)._replace(soft=self._have("none", 0, 3))
+    def _grow(self, *sizes: int) -> None:
+        """Have room for so many rows, entries and pairs."""
+        for n, size in enumerate(sizes):
+            if size > self._most[n]:
+                self._most[n] = size + size // 4
+                self._made.clear()
 
-    def _solved(self, which: str, vertices: int, rows: int, entries: int) -> Solved:
-        have = self._have
+    def _without_soft(self, vertices: int) -> Solved:
+        return self._solved("", vertices)._replace(soft=self._have("none", 0, 3))
+
+    def _solved(self, which: str, vertices: int) -> Solved:
+        have, (rows, entries, _) = self._have, self._most
         return Solved(
             have("v" + which, vertices, 4), have("w" + which, vertices, 4),
             have("held" + which, vertices, 4), have("moved" + which, entries),
@@ -124,12 +133,12 @@ class Room:
 
     def soft(self, vertices: int, pairs: int, coupling: Coupling) -> tuple[Any, ...]:
         """Scratch of `solve_softly`."""
-        sizes = vertices, pairs, len(coupling.answer), len(coupling.column)
-        return self._once("soft", self._soft, *sizes)
+        self._grow(len(coupling.answer), len(coupling.column), pairs)
+        return self._once("soft", self._soft, vertices)
 
-    def _soft(self, vertices: int, pairs: int, rows: int, entries: int) -> tuple[Any, ...]:
-        have = self._have
+    def _soft(self, vertices: int) -> tuple[Any, ...]:
+        have, (rows, _, pairs) = self._have, self._most
         scratch = have("at", vertices, 4), have("before", pairs, 3), have("areas", pairs)
         answer = have("softened", rows, 3)
-        softened = self._solved("soft", vertices, rows, entries)
+        softened = self._solved("soft", vertices)
         return softened, answer, scratch, self.prepared(pairs)

@@ -73,14 +73,14 @@ def boxes_of(
 
 def find_meeting_clusters(
     call: Bound, scene: Scene, walls: SeparatingWalls, table: Table, acts: np.ndarray,
-    boxes: tuple[np.ndarray, np.ndarray], far: float, ways: tuple[float, float],
+    boxes: tuple[np.ndarray, np.ndarray], fars: tuple[float, float], ways: tuple[float, float],
 ) -> Meeting:  # fmt: skip
-    """Find the clusters that may meet others, or walls: come nearer than a distance `far`.
+    """Find the clusters that may meet others, or walls: come nearer than the distances `fars`.
 
     `ways` are the cells by which both move at most until the next search, and more cells for those
     that are watched.
     """
-    frame, periods, (low, high) = scene.domain.frame, scene.domain.periods, boxes
+    frame, periods, (low, high), (far, near) = scene.domain.frame, scene.domain.periods, boxes, fars
     cell, order = np.array(frame.cell), np.argsort(low[:, 0], kind="stable")
     reach, most = (far + 2.0 * way * cell for way in (ways[0], sum(ways)))
     watched, left = [np.empty((0, 2), np.int64)], [np.empty(0)]
@@ -106,9 +106,9 @@ def find_meeting_clusters(
         at = frame.origin[axis] + (place - frame.ghost) * cell[axis]
         end = (high if side > 0 else low)[moving, axis]
         away = side * (at - end)
-        near = away < most[axis]
-        watched.append(np.column_stack([moving[near], np.full(int(near.sum()), -1 - axis)]))
-        left.append((away[near] - far) / cell[axis])
+        some, wall = away < most[axis], -1 - 2 * axis - (side > 0)
+        watched.append(np.column_stack([moving[some], np.full(int(some.sum()), wall)]))
+        left.append((np.maximum(away[some], reach[axis]) - near) / cell[axis])
         on_walls[walls.first + w] = table.facets(moving[away < reach[axis]])
     watched.append(np.column_stack([alone, alone]))
     pairs, left = np.concatenate([pairs, watched[-1]]), [*left, np.zeros(len(alone))]
@@ -178,16 +178,17 @@ def find_facets(
 
 def find_candidates(
     call: Bound, scene: Scene, walls: SeparatingWalls, table: Table, acts: np.ndarray,
-    meeting: Meeting, reach: np.ndarray, turned: float, part: tuple[int, int],
+    meeting: Meeting, reach: np.ndarray, turned: tuple[float, float], part: tuple[int, int],
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Find facets near another body, and all facets near others: of a part, see `find_facets`.
 
     Returns facets, bodies and the facets next to the first, (n, 3) int64, and (m,) int64. Facets
-    are moved. Until the next search cosines between normals change by `turned`.
+    are moved. Until the next search cosines between normals change by `turned`, of facets and of
+    these and walls.
     """
     surface, frame, most = table.surface, scene.domain.frame, float(reach.max())
     periods, marks, there = scene.domain.periods, np.zeros(len(surface.x), np.uint8), surface
-    turns = turned - TURNS
+    turns, before_walls = (most - TURNS for most in turned)
     own = which = np.empty(0, np.int64)
     if periods.any():
         own = meeting.facets
@@ -212,20 +213,25 @@ def find_candidates(
         axis, side, place, *_ = walls.planes[body - walls.first].tolist()
         at = frame.origin[axis] + (place - frame.ghost) * frame.cell[axis]
         away = side * (at - surface.now[these, axis])
-        faces = side * surface.turned[these, axis] > -ACROSS - turns
+        faces = side * surface.turned[these, axis] > -ACROSS - before_walls
         these = these[(away < reach[axis]) & faces]
         marks[these] = 1
         parts.append(np.column_stack([these, np.full(len(these), body), np.full(len(these), -1)]))
     return np.concatenate(parts), np.flatnonzero(marks)
 
 
+def in_order(surface: Surface, found: np.ndarray) -> np.ndarray:
+    """Candidates as of `find_candidates`, by patch, body and number."""
+    facet, body, _ = found.T
+    return found[np.lexsort((facet, body, surface.patch[facet]))]
+
+
 def candidates_of(surface: Surface, found: np.ndarray) -> np.ndarray:
-    """Facets near others, (n,) NEAR_FACET by patch, body and number, of which nothing is known.
+    """Facets near others, (n,) NEAR_FACET, of which nothing is known; in order.
 
     `found` are as of `find_candidates`.
     """
-    facet, body, _ = found.T
-    found = found[np.lexsort((facet, body, surface.patch[facet]))]
+    found = in_order(surface, found)
     every = no_facets(len(found))
     every["facet"], every["body"], every["other"] = found.T
     every["gap"], every["side"] = np.inf, -1

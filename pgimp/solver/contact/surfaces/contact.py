@@ -40,6 +40,7 @@ from pgimp.solver.contact.impulses.impulse_contact import ImpulseContact, flat, 
 from pgimp.solver.contact.impulses.joint import Joint
 from pgimp.solver.contact.impulses.room import Room
 from pgimp.solver.contact.surfaces.groups import (
+    GroupBooks,
     Grouped,
     add_books,
     books_of,
@@ -56,6 +57,9 @@ from pgimp.solver.contact.surfaces.wide import parted
 from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
 from pgimp.solver.vertices import VertexUpdate
+
+#: No changes.
+_NONE = Changes(np.empty(0, np.int64), *np.empty((2, 0, 3)))
 
 #: The most sweeps in a step, and the relative change of impulses that ends them, without rigid
 #: bodies that move freely: these meet each other without the compliance of patches.
@@ -89,9 +93,9 @@ class SurfaceContact(ImpulseContact):
         rigid_bodies = scene.interaction.rigid_bodies
         names = [*scene.body_names, *rigid_bodies.names]
         self._watch, self._depth = OverrunWatch(scene, names), Depth(scene, names)
-        self._books: tuple[np.ndarray, Ledger] | None = None
+        self._books: tuple[np.ndarray, GroupBooks] | None = None
         self._ascending: Any = (None, False)
-        self._planes: Any = None  # see `books_of`; as long as there are as many groups
+        self._planes: GroupBooks | None = None  # as long as there are as many groups
         self._by_group: Grouped | None = None
         self._rebounds = rebounds_of(scene)
         first = self._walls.first
@@ -253,7 +257,7 @@ class SurfaceContact(ImpulseContact):
         scene, call, grid, (_, _, forcing, ledger) = self.scene, self.call, rank.grid, update
         frame, holding = scene.domain.frame, self._holding(update)
         self._books = None
-        changes = Changes(np.empty(0, np.int64), *np.empty((2, 0, 3)))
+        changes = _NONE
         if joint is not None and needed(len(joint.pairs.ends)):
             changes = self._solve(joint, nothing_held(holding), ledger)
         else:
@@ -308,14 +312,15 @@ class SurfaceContact(ImpulseContact):
         grouped = self._by_group
         assert grouped is not None
         count = len(grouped.number)
-        if self._planes and count == len(self._planes[1].work):
-            self._planes[0].fill(0.0)
+        books = self._planes
+        if books and books.ledger is ledger and count == len(books.planes.work):
+            books.whole.fill(0.0)
         else:
-            self._planes = books_of(ledger, count)
-        self._books = grouped.number, self._planes[1]
+            books = self._planes = books_of(ledger, count)
+        self._books = grouped.number, books
         own = grouped.chosen(pairs), grouped.first
         of = self._contact, free, own, coupling, solved, vertices
-        self.call(book_groups, *of, self._walls, self._books[1])
+        self.call(book_groups, *of, self._walls, books.planes)
         if self.loads:
             assert self._table is not None
             self._add_loads(pairs, coupling, solved, self._table.surface, self._parted())

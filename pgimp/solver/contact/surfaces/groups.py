@@ -118,17 +118,28 @@ def _one_group(count: int) -> Grouped:
     return Grouped(np.arange(count), np.array([0, count]), np.zeros(1, np.int64), True)
 
 
-def books_of(ledger: Ledger, count: int) -> tuple[np.ndarray, Ledger]:
-    """Empty books of as many groups, a plane each; before them all their numbers as one array."""
+class GroupBooks(NamedTuple):
+    """Books of groups, a plane each, for a ledger."""
+
+    whole: np.ndarray  #: All their numbers.
+    planes: Ledger
+    ledger: Ledger
+    first: list[tuple[np.ndarray, np.ndarray]]  #: First planes of the ledger, and of the books.
+
+
+def books_of(ledger: Ledger, count: int) -> GroupBooks:
+    """Empty books of as many groups."""
     shapes = [(count, *getattr(ledger, name).shape[1:]) for name in _BOOKED]
     ends = np.cumsum([int(np.prod(shape, dtype=int)) for shape in shapes])
     whole = np.zeros(ends[-1])
     parts = zip(_BOOKED, np.split(whole, ends[:-1]), shapes, strict=True)
-    return whole, ledger._replace(**{name: part.reshape(shape) for name, part, shape in parts})
+    planes = ledger._replace(**{name: part.reshape(shape) for name, part, shape in parts})
+    first = [(getattr(ledger, name)[:1], getattr(planes, name)[:1]) for name in _BOOKED]
+    return GroupBooks(whole, planes, ledger, [pair for pair in first if pair[0].size])
 
 
 def add_books(
-    comm: Communicator, root: int, own: tuple[np.ndarray, Ledger] | None, ledger: Ledger
+    comm: Communicator, root: int, own: tuple[np.ndarray, GroupBooks] | None, ledger: Ledger
 ) -> None:
     """Add the books of all ranks' groups, in their order, to the first plane of the root's.
 
@@ -136,12 +147,10 @@ def add_books(
     """
     if comm.size == 1 and own is None:
         return
-    number, books = own or (np.empty(0, np.int64), books_of(ledger, 0)[1])
+    number, (_, books, _, first) = own or (np.empty(0, np.int64), books_of(ledger, 0))
     if comm.size == 1 and len(number) == 1:
-        for name in _BOOKED:
-            first = getattr(ledger, name)[:1]
-            if first.size:
-                first += getattr(books, name)
+        for into, found in first:
+            into += found
         return
     widths = [int(np.prod(getattr(books, name).shape[1:], dtype=int)) for name in _BOOKED]
     shaped = zip(_BOOKED, widths, strict=True)

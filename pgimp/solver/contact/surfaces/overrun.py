@@ -73,8 +73,8 @@ class OverrunWatch:
         ----------
         acts : (bodies, bodies) uint8
             Whether facets of the first body look for those of the second.
-        u : (vertices, 3) float64
-            Displacements of all surface vertices.
+        u : (vertices, 4) float64
+            Displacements of all surface vertices, the last 0.
         rigid : RigidBodies or ()
             The rigid bodies at their positions.
         """
@@ -177,7 +177,7 @@ class OverrunWatch:
         F = np.tile(np.eye(3), (len(some), 1, 1))
         place = surface.place[some]
         for number, corner in enumerate(product((0, 1), repeat=D)):
-            at = u[table.cells.corners[c, number]]
+            at = u[table.cells.corners[c, number], :3]
             hats = [place[:, d] if corner[d] else 1.0 - place[:, d] for d in range(D)]
             for j in range(D):
                 rest = [hats[d] for d in range(D) if d != j]

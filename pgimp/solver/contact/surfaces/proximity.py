@@ -14,6 +14,7 @@ from pgimp.kernels.contact.surfaces.awake import find_near_gaps
 from pgimp.kernels.contact.surfaces.data import KNOWN, Patches, no_facets
 from pgimp.kernels.contact.surfaces.gaps import FARTHEST
 from pgimp.kernels.contact.surfaces.motion import move_facets
+from pgimp.kernels.contact.surfaces.patches.levels import NEAR
 from pgimp.kernels.contact.surfaces.search import greatest_way
 from pgimp.kernels.contact.surfaces.shifts import find_shifts, least_left
 from pgimp.kernels.contact.surfaces.spread import kept_of, scratch_of
@@ -22,12 +23,13 @@ from pgimp.kernels.data.record import RECORD
 from pgimp.kernels.rigid.bodies import MOTION
 from pgimp.mpi.communicator import Communicator
 from pgimp.scene.scene import Scene
-from pgimp.solver.contact.impulses.messages import greatest
+from pgimp.solver.contact.impulses.messages import greatest, greatest_of
 from pgimp.solver.contact.surfaces.candidates import (
     boxes_of,
     candidates_of,
     find_candidates,
     find_meeting_clusters,
+    in_order,
     least,
 )
 from pgimp.solver.contact.surfaces.groups import Groups, find_groups
@@ -49,9 +51,9 @@ _WATCHED = 6.0
 _TURNS = 4.0
 
 #: By how much cosines between normals may change until the next search: faces beside an edge are
-#: looked at before they face what is beside them. Curved faces may by `MEETS - FACES`. Less if
-#: any facets are joined, which are of faces that lie on each other.
-_TURNED, _TILTED = 0.31, 0.05
+#: looked at before they face what is beside them. Curved faces may by `MEETS - FACES`. Then that
+#: before walls, which have no edges.
+_TURNED = 0.31, 0.6
 
 #: Pieces of facets that are kept within a step, for each candidate, and more for a wide one.
 PIECES, _MORE_PIECES = 3, 4
@@ -109,8 +111,8 @@ class Proximity:
         cell, pairs = np.array(scene.domain.frame.cell), scene.interaction.pairs
         adheres = pairs.adhesion[:, 2].max(initial=0.0) if pairs else 0.0
         self.alone = False
-        self.far = max(FARTHEST * cell.min(), adheres)
-        self._travel, self._left, self._turned, self._joined = TRAVEL, 0.0, _TURNED, False
+        self.far, self._before_walls = (max(n * cell.min(), adheres) for n in (FARTHEST, NEAR))
+        self._travel, self._left, self._tilts = TRAVEL, 0.0, False  # joined facets have tilted
         self.reach = float(self._reach().max())
         self.met = np.empty((0, 2), np.int64)
         self._moved = 0.0
@@ -129,7 +131,7 @@ class Proximity:
         self._whole = bool(scene.case.output.surface)  # loads are of all facets
         self._row = np.empty(KNOWN)
         self._window: object = None
-        self._before = np.empty((0, 3))  # displacements of all surface vertices at the last search
+        self._before = np.empty((0, 4))  # displacements of all surface vertices at the last search
         self._restored = np.empty(0)
 
     def _reach(self) -> np.ndarray:
@@ -143,7 +145,6 @@ class Proximity:
     def restart(self) -> None:
         """Search in the next step: the surfaces have changed."""
         self._moved, self._window, self.facets = np.inf, None, None
-        self._joined = False  # as in a run that is resumed here
 
     def relocate(self) -> None:
         """Note that vertices have changed ranks, perhaps. This is no reason to search."""
@@ -159,16 +160,17 @@ class Proximity:
         if self.facets is None:
             return np.empty(0)
         every, known = self._everyone()
+        tilts = greatest(self.comm, self._tilts)
         if self.comm.rank != self.root:
             return np.empty(0)
         of = np.stack([every["facet"], every["body"], every["other"]], axis=1)
         pairs, left = self._watched
         poses = np.array(self._poses).view(np.float64) if len(self._poses) else np.empty(0)
         parts = (
-            self._before.ravel(), self.facets, self._moving, of.ravel(), known.ravel(),
+            self._before[:, :3].ravel(), self.facets, self._moving, of.ravel(), known.ravel(),
             pairs.ravel(), left, poses,
         )  # fmt: skip
-        numbers = [self._moved, self._travel, self._left, self._turned]
+        numbers = [self._moved, self._travel, self._left, tilts]
         return np.concatenate([numbers, list(map(len, parts)), *parts])
 
     def restore(self, state: np.ndarray) -> None:
@@ -185,12 +187,11 @@ class Proximity:
         parts = np.split(state[head:], np.cumsum(sizes[:-1]))
         before, facets, moving, found, known, pairs, left, poses = parts
         self.facets, self._moving = facets.astype(np.int64), moving.astype(np.int64)
-        self._moved, self._travel, self._left, self._turned = state[:_NUMBERS].tolist()
-        self._before = before.reshape(-1, 3)
+        self._moved, self._travel, self._left, self._tilts = state[:_NUMBERS].tolist()
+        self._before = np.pad(before.reshape(-1, 3), ((0, 0), (0, 1)))
         self._watched = pairs.astype(np.int64).reshape(-1, 2), left.copy()
         self._poses = poses.copy().view(MOTION) if len(poses) else ()
         every = candidates_of(table.every, found.astype(np.int64).reshape(-1, 3))
-        self._joined = bool((every["facet"] >= len(table.wide)).any())
         self._found = every, known.reshape(-1, KNOWN), *np.empty((2, 0), np.int64)
         self.candidates, self.patches = every[:0], Patches.of(table.every, every[:0])
         self._locate(rank, table)
@@ -225,13 +226,13 @@ class Proximity:
     def all_displacements(
         self, rank: RankState, table: Table, records: np.ndarray | None = None
     ) -> np.ndarray:
-        """Displacements of all surface vertices, (v, 3) float64; collective.
+        """Displacements of all surface vertices, (v, 4) float64, the last 0; collective.
 
         `records` are theirs, see `records_of`; they are found if they may have changed.
         """
         records = records_of(rank, table.numbers) if records is None else records
-        own, found = np.flatnonzero(records >= 0), np.zeros((len(records), 3))
-        found[own] = rank.grid.kept.values.reshape(-1, RECORD)[records[own], U]
+        own, found = np.flatnonzero(records >= 0), np.zeros((len(records), 4))
+        found[own, :3] = rank.grid.kept.values.reshape(-1, RECORD)[records[own], U]
         if self.comm.size > 1:
             for some, values in self.comm.allgather((own, found[own])):
                 found[some] = values
@@ -260,9 +261,10 @@ class Proximity:
             self._locate(rank, table)
             divided = self.facets is not None
         # Each step looks: what is at rest may be pushed, and steps may become longer.
-        travel = greatest(self.comm, max(self.way(rank, dt), rate * dt))
-        self._moved += travel
-        if self.facets is not None:
+        way = max(self.way(rank, dt), rate * dt)
+        travel, tilts = greatest_of(self.comm, way, self._tilts)
+        self._moved, self._tilts = self._moved + travel, False
+        if self.facets is not None and not tilts:
             if 2.0 * self._moved > self._left:
                 self._left, self._moved = self._find_left(rank, table, rigid), travel
             if 2.0 * self._moved <= self._left:
@@ -270,37 +272,33 @@ class Proximity:
         self._before, self._moved = self.all_displacements(rank, table, self._records), travel
         self._poses = rigid.motion.copy() if rigid else ()
         self._travel = float(np.clip(_AHEAD * travel, _LEAST, TRAVEL))
-        turned = _TILTED if self._joined else _TURNED
         self._left = 2.0 * self._travel
         self._find_root(rank)
         boxes, reach = self.boxes(rank, table, rigid), self._reach()
         call, scene, walls = self.call, self.scene, self.walls
         ways = self._travel, self._unwatched - self._travel
-        meeting = find_meeting_clusters(call, scene, walls, table, acts, boxes, self.far, ways)
+        fars = self.far, self._before_walls
+        meeting = find_meeting_clusters(call, scene, walls, table, acts, boxes, fars, ways)
         self._watched = meeting.watched, meeting.left
         if needed(0):
             self._find_left(rank, table, rigid)
         near = marked(len(table.surface.x), [meeting.facets, *meeting.on_walls.values()])
         found, self.facets, self._moving = np.empty((0, 3), np.int64), near, near[:0]
         if needed(len(near)):
-            u = np.pad(self._before, ((0, 0), (0, 1)))
-            of = table.surface, table.cells, u, near, self.scratch
+            of = table.surface, table.cells, self._before, near, self.scratch
             call(move_facets, scene.domain.frame, rigid, *of)
             part = self.comm.rank, self.comm.size
             parts = self.comm.allgather(
-                find_candidates(call, scene, walls, table, acts, meeting, reach, turned, part)
+                find_candidates(call, scene, walls, table, acts, meeting, reach, _TURNED, part)
             )
             found = np.concatenate([each[0] for each in parts])
             self._moving = marked(len(table.surface.x), [each[1] for each in parts])
-        every = candidates_of(
-            table.every, joined(table, walls, candidates_of(table.surface, found))
-        )
+        found = joined(table, walls, in_order(table.surface, found))
+        every = candidates_of(table.every, found)
         travel = np.inf if self._whole else self._travel
         self._moving = moving_of(table, every, travel, self._moving)
-        self._divide(table, every, Patches.of(table.every, every).known)
-        self._joined = bool((every["facet"] >= len(table.wide)).any())
-        self._turned = _TILTED if self._joined else turned
-        self._left = min(self._left, _TURNS * self._turned)
+        self._divide(table, every)
+        self._left = min(self._left, _TURNS * _TURNED[0])
         return True
 
     def awake(
@@ -315,7 +313,7 @@ class Proximity:
             share.moving, self._first, table.around, self._marks, self._chosen, self._moves,
             self._whole,
         )  # fmt: skip
-        awake = self.call(
+        awake, self._tilts = self.call(
             find_near_gaps, self.scene.domain.frame, laws, self.walls, table.every,
             (share.cells, u, values), (dt, self.far), (self.candidates, patches),
             (moving, self.scratch, self._row),
@@ -340,14 +338,16 @@ class Proximity:
         else:
             now, own = np.full(self._before.shape, np.nan), np.flatnonzero(self._shared >= 0)
             records = rank.grid.kept.values.reshape(-1, RECORD)
-            now[own] = records.take(self._shared[own], axis=0)[:, U]
+            now[own, :3] = records.take(self._shared[own], axis=0)[:, U]
         ends = np.full((2, len(table.body), scene.dimension + 1), np.inf)
-        moved = now - self._before, self._before
+        moved = now, self._before, now - self._before
         of = table.surface, table.cells, clusters, moved, (rigid, self._poses)
         self.call(find_shifts, scene.domain.frame, *of, ends)
         ends = least(self.comm, ends)
-        ends[:, :, -1] = _TURNS * (ends[:, :, -1] + 0.5 * self._turned) - self._travel
-        return float(self.call(least_left, *self._watched, 2.0 * self._unwatched, ends))
+        ends[:, :, -1] *= _TURNS
+        most, turned = 2.0 * self._unwatched, tuple(_TURNS * most for most in _TURNED)
+        more = turned[0] + most - 2.0 * self._travel
+        return float(self.call(least_left, *self._watched, (most, more), turned, ends))
 
     def way(self, rank: RankState, dt: float) -> float:
         """See `greatest_way`; of the rank's vertices of surfaces."""
@@ -361,13 +361,14 @@ class Proximity:
         found[some] = groups.rank[groups.number(bodies[some])]
         return found == self.comm.rank
 
-    def _divide(self, table: Table, every: np.ndarray, known: np.ndarray) -> None:
+    def _divide(self, table: Table, every: np.ndarray, known: np.ndarray | None = None) -> None:
         """Find the groups of all candidates, and the rank's share; collective.
 
         `known` is of their patches, see `Patches`.
         """
         surface, count = table.every, len(self.labels)
-        start = Patches.of(surface, every).start
+        patches = Patches.of(surface, every)
+        start, known = patches.start, patches.known if known is None else known
         first = every[start[:-1]]
         met = surface.body[first["facet"]] * count + first["body"]
         met, of = np.unique(met, return_inverse=True)
@@ -379,16 +380,19 @@ class Proximity:
         own = self.groups.rank[self.groups.number(self.met)] == self.comm.rank
         mine, patch_of = np.flatnonzero(own[of]), np.repeat(np.arange(len(size)), size)
         here = np.unique(patch_of[mine])
-        self.candidates = every[mine] if self.comm.size > 1 else every
+        self.candidates = every
+        if self.comm.size > 1:
+            self.candidates = every[mine]
+            patches = Patches.of(surface, self.candidates)
         self._found = every, known, mine, here
         surface.now[:] = np.inf
         self.share = share_of(self.comm, table, self._moving, self.groups, self._records)
-        self.patches = Patches.of(surface, self.candidates)._replace(known=known[here])
+        self.patches = patches._replace(known=known[here])
         self._awake = self.patches
-        patches, moving = len(table.around[0]) - 1, self.share.moving
+        count, moving = len(table.around[0]) - 1, self.share.moving
         self._chosen = np.empty(len(moving) + 2 * len(mine), np.int64)
-        self._marks, self._moves[0] = np.zeros(patches, np.bool_), 0
-        self._first = np.searchsorted(surface.patch[moving], np.arange(patches + 1))
+        self._marks, self._moves[0] = np.zeros(count, np.bool_), 0
+        self._first = np.searchsorted(surface.patch[moving], np.arange(count + 1))
         room = PIECES * len(mine)
         room += _MORE_PIECES * int((self.candidates["facet"] >= len(table.wide)).sum())
         if len(self.scratch[-1][0]) < room:

@@ -12,6 +12,7 @@ import numpy as np
 
 from pgimp.geometry.rows import distinct
 from pgimp.kernels.contact.surfaces.data import Surface
+from pgimp.kernels.contact.surfaces.nearest import WIDE
 from pgimp.scene.bodies.surface_patches import radius_of
 
 #: Greatest relative error of areas of rectangles, and of cosines of what is in a plane.
@@ -81,7 +82,8 @@ def with_wide(
     more = {
         "x": x[good], "middle": 0.5 * (low + high)[good], "half": 0.5 * (high - low)[good],
         "area": area[good], "radius": radius_of(area[good], D), "place": place,
-        "edges": both[good], "start": np.full(len(own), surface.start[-1]),
+        "edges": both[good], "tip": surface.tip[own] | WIDE,
+        "start": np.full(len(own), surface.start[-1]),
     }  # fmt: skip
     found = {
         name: np.concatenate([values, more[name] if name in more else values[own]])

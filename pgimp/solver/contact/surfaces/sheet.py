@@ -102,7 +102,7 @@ class Sheets:
             now=np.full_like(table.surface.now, np.inf), turned=table.surface.turned.copy()
         )
         scratch = proximity.scratch
-        u, laws = np.pad(u, ((0, 0), (0, 1))), contact.laws._replace(rigid_bodies=rigid)
+        laws = contact.laws._replace(rigid_bodies=rigid)
         moving = moving[moving < len(found)]
         call(move_facets, frame, rigid, surface, table.cells, u, moving, scratch)
         acts, marks = np.ascontiguousarray(contact.acts.T), np.zeros(len(found), np.uint8)
@@ -175,12 +175,12 @@ def _now(rank: RankState, table: Table, polygons: Polygons, u: np.ndarray, poses
     place = np.zeros_like(points)
     place[soft, :D] = (points[soft, :D] - table.cells.low[cell[soft], :D]) / size
     for corner, weight, _ in _hats(D, place[soft], size):
-        points[soft] += weight[:, None] * u[table.cells.corners[cell[soft], corner]]
+        points[soft] += weight[:, None] * u[table.cells.corners[cell[soft], corner], :3]
     x, normal, area = surface.x.copy(), surface.normal.copy(), surface.area.copy()
     own = surface.cell >= 0
     F = np.tile(np.eye(3), (int(own.sum()), 1, 1))
     for corner, weight, gradient in _hats(D, surface.place[own], size):
-        moved = u[table.cells.corners[surface.cell[own], corner]]
+        moved = u[table.cells.corners[surface.cell[own], corner], :3]
         x[own] += weight[:, None] * moved
         F += moved[:, :, None] * gradient[:, None]
     # The cofactor of F times the normal, as `turned_normal`.

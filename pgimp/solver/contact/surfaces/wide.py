@@ -13,38 +13,40 @@ from pgimp.solver.contact.surfaces.table import Table
 _EXACT = 1e-6
 
 #: Least cosine between a normal and the opposite one of faces that lie on each other.
-_PARALLEL = 1.0 - 5e-5
+_PARALLEL = 1.0 - 1.25e-5
 
 #: Cells by which neighbours of facets are apart at least, on the other side of a ring of them.
 _RING = 0.25
 
 
 def joined(table: Table, walls: SeparatingWalls, every: np.ndarray) -> np.ndarray:
-    """Candidates, with wide facets where all parts lie on one plane; as of `candidates_of`.
+    """Candidates, with wide facets where all parts lie on one plane; as of `find_candidates`.
 
-    Normals are those of the last search: what tilts by a hundredth keeps small facets.
+    `every` are in order. Normals are those of this search: what tilts keeps small facets.
     """
-    surface, facet, other = table.surface, every["facet"], every["other"]
-    parts = np.bincount(table.wide[table.wide >= 0] - len(table.wide), minlength=1)
-    before = other >= 0
-    wall = every["body"][~before] - walls.first
-    faces = np.empty(len(every))
-    faces[~before] = (
-        surface.turned[facet[~before], walls.planes["axis"][wall]] * walls.planes["side"][wall]
-    )
-    turned = surface.turned[facet[before]] * surface.turned[other[before]]
-    faces[before] = np.where(surface.tip[other[before]] & FLAT, -turned.sum(axis=1), 0.0)
-    some = np.flatnonzero((table.wide[facet] >= 0) & (faces > _PARALLEL))
+    surface, count, (facet, body, other) = table.surface, len(table.wide), every.T
+    some = np.flatnonzero(table.wide[facet] >= 0)
     if not len(some):
-        return _triples(every)
-    wide = table.wide[facet[some]]
-    first, of = distinct(np.column_stack([wide, every["body"][some]]))
-    before = other[some[first]][of]
-    n, away = surface.normal[before], surface.x[other[some]] - surface.x[before]
-    alike = (n * surface.normal[other[some]]).sum(axis=1) > 1.0 - _EXACT
-    alike &= np.abs((n * away).sum(axis=1)) < _EXACT * surface.radius[before]
-    alike |= other[some] < 0
-    good = np.bincount(of, alike) == parts[wide[first] - len(table.wide)]
+        return every
+    f, o, wall = facet[some], other[some], body[some] - walls.first
+    lies, before, on_wall = np.empty(len(some)), np.flatnonzero(o >= 0), np.flatnonzero(o < 0)
+    axis, side = (walls.planes[name][wall[on_wall]] for name in ("axis", "side"))
+    lies[on_wall] = surface.turned[f[on_wall], axis] * side
+    same = np.einsum("ni,ni->n", surface.turned[f[before]], surface.turned[o[before]])
+    lies[before] = np.where(surface.tip[o[before]] & FLAT, -same, 0.0)
+    some = some[lies > _PARALLEL]
+    if not len(some):
+        return every
+    wide, o = table.wide[facet[some]], other[some]
+    first, of = distinct(np.column_stack([wide, body[some]]))
+    before = np.flatnonzero(o >= 0)
+    one, its, alike = o[first][of[before]], o[before], np.ones(len(o), bool)
+    n, away = surface.normal[one], surface.x[its] - surface.x[one]
+    alike[before] = np.einsum("ni,ni->n", n, surface.normal[its]) > 1.0 - _EXACT
+    off = np.abs(np.einsum("ni,ni->n", n, away))
+    alike[before] &= off < _EXACT * surface.radius[one]
+    parts = np.bincount(table.wide[table.wide >= 0] - count)
+    good = np.bincount(of, alike) == parts[wide[first] - count]
     order = np.argsort(of, kind="stable")
     begin = np.searchsorted(of[order], np.arange(len(first)))
     middle = order[begin + np.bincount(of) // 2]
@@ -52,13 +54,8 @@ def joined(table: Table, walls: SeparatingWalls, every: np.ndarray) -> np.ndarra
     gone[some[good[of]]] = True
     kept = some[first[good]]
     gone[kept] = False
-    found["facet"][kept], found["other"][kept] = wide[first[good]], other[some[middle[good]]]
-    return _triples(found[~gone])
-
-
-def _triples(every: np.ndarray) -> np.ndarray:
-    """Facets, bodies, and the facets next to the first, (n, 3) int64."""
-    return np.stack([every["facet"], every["body"], every["other"]], axis=1)
+    found[kept, 0], found[kept, 2] = wide[first[good]], o[middle[good]]
+    return found[~gone]
 
 
 def parted(table: Table, every: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
