@@ -154,7 +154,7 @@ def least_left(pairs, left, most, turned, ends) -> float:
         See `find_shifts`; turns in cells that they count for.
     """
     least, (_, count, numbers) = most[0], ends.shape
-    D = numbers - 1
+    D, near = numbers - 1, most[0] + turned[0] - most[1]
     for c in range(count):
         least = min(least, most[1] + 2.0 * ends[0, c, D])
         for d in range(D):
@@ -170,5 +170,6 @@ def least_left(pairs, left, most, turned, ends) -> float:
         for d in range(D):
             way = max(-ends[1, a, d] - ends[0, b, d], -ends[1, b, d] - ends[0, a, d])
             least = min(least, left[k] - way)
-        least = min(least, turned[0] + ends[0, a, D] + ends[0, b, D])
+        turns = turned[0] + ends[0, a, D] + ends[0, b, D]
+        least = min(least, left[k] - near + turns)  # those that are far have to come near first
     return least
