@@ -2,9 +2,9 @@
 
 When the facets next to a patch are found, so is the way by which patch and other body have to come
 nearer until a gap can close. In the steps after, of both only the middle facets are looked at: how
-they have moved relative to each other, and how the cells there have turned and strained, in
-directions that the other body's surface carries along. So bodies that move together cost little,
-however fast they are. They are looked at in every step: what is at rest may be pushed in the next.
+they have moved relative to each other, and how the cells there have turned and strained. So bodies
+that move together cost little, however fast they are. They are looked at in every step: what is at
+rest may be pushed in the next. Of patches that touch and move it is not asked how far.
 """
 
 from math import inf, sqrt
@@ -12,16 +12,15 @@ from math import inf, sqrt
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
 from pgimp.jit.vectors.rows import load_row
 from pgimp.jit.vectors.simd import lane, pack, vector
-from pgimp.kernels.contact.surfaces.data import CLEAR, KNOWN, PLACE, Patches, turns
+from pgimp.kernels.contact.surfaces.data import CLEAR, FAR, KNOWN, PLACE, Patches, least_side, turns
 from pgimp.kernels.contact.surfaces.gaps import find_gaps
 from pgimp.kernels.contact.surfaces.motion import (
-    cofactors,
     cross,
     gradient,
     move_facets,
     rigid_position,
     set_polynomial,
-    turned_normal,
+    set_triple,
 )
 from pgimp.kernels.contact.surfaces.nearest import stays
 from pgimp.kernels.contact.surfaces.patches.levels import law_of
@@ -42,19 +41,28 @@ _FEW = 4
 
 
 @inlined
-def _rigid_state(rigid_bodies, surface, f, cell):
-    """See `_state`."""
-    zero = vector(0.0)
+def _rigid_velocity(rigid_bodies, surface, f, cell):
+    """See `_velocity`."""
     if not is_record(rigid_bodies):
-        return zero, zero, (zero, zero, zero), 0.0
+        return vector(0.0), 0.0
     x, t = rigid_position(rigid_bodies, surface, f), surface.body[f] - rigid_bodies.bodies
-    R, v = rigid_bodies.motion[t].rotation, rigid_bodies.motion[t].velocity_after
+    v = rigid_bodies.motion[t].velocity_after
     w = cross(pack(v[3], v[4], v[5], 0.0), in_lanes(arm_of(rigid_bodies, t, x)))
     return (
-        in_lanes(x), pack(v[0] + w[0], v[1] + w[1], v[2] + w[2], 0.0),
-        (in_lanes(R[:, 0]), in_lanes(R[:, 1]), in_lanes(R[:, 2])),
+        pack(v[0] + w[0], v[1] + w[1], v[2] + w[2], 0.0),
         cell * sqrt(v[3] ** 2 + v[4] ** 2 + v[5] ** 2),
-    )  # fmt: skip
+    )
+
+
+@inlined
+def _rigid_place(rigid_bodies, surface, f):
+    """See `_place`."""
+    zero = vector(0.0)
+    if not is_record(rigid_bodies):
+        return zero, (zero, zero, zero)
+    x, t = rigid_position(rigid_bodies, surface, f), surface.body[f] - rigid_bodies.bodies
+    R = rigid_bodies.motion[t].rotation
+    return in_lanes(x), (in_lanes(R[:, 0]), in_lanes(R[:, 1]), in_lanes(R[:, 2]))
 
 
 @inner_kernel
@@ -70,25 +78,11 @@ def dot(a, b):
 
 
 @inner_kernel
-def _state(frame, rigid_bodies, surface, moved, P, f, cell):
-    """Position and velocity of a facet, its deformation gradient, greatest velocity about it.
-
-    Vectors are in lanes, the gradient is a triple of columns. `P` is scratch.
-    """
-    D, (cells, u, _), c = len(frame.cell), moved, surface.cell[f]
-    if c < 0:
-        return _rigid_state(rigid_bodies, surface, f, cell)
-    set_polynomial(D, cells, c, u, P)
-    F, p = gradient(frame, P, surface.place[f])
-    v, most = _velocities(D, surface, moved, f)
-    x = surface.x[f]
-    return pack(x[0] + p[0], x[1] + p[1], x[2] + p[2], 0.0), v, F, most
-
-
-@inner_kernel
-def _velocities(D, surface, moved, f):
-    """Velocity of a facet in a cell, and the greatest one about the mean of the cell."""
+def _velocity(D, rigid_bodies, surface, moved, f, cell):
+    """Velocity of a facet, in lanes, and the greatest one about it of its cell's vertices."""
     (cells, _, values), c = moved, surface.cell[f]
+    if c < 0:
+        return _rigid_velocity(rigid_bodies, surface, f, cell)
     v, mean, part, most = vector(0.0), vector(0.0), 1.0 / (1 << D), 0.0
     for corner in range(1 << D):
         own = load_row(values, cells.corners[c, corner], 0)
@@ -100,67 +94,75 @@ def _velocities(D, surface, moved, f):
 
 
 @inner_kernel
-def _directions(D, surface, f, F):
-    """Orthonormal directions that a facet carries along, a triple in lanes."""
-    K, _ = cofactors(F)
-    n, e = in_lanes(turned_normal(K, surface.normal[f])), surface.edges[f, 0]
-    t = e[0] * F[0] + (e[1] * F[1] + e[2] * F[2])
-    whole, square = dot(n, n), dot(t, t)
-    if not (whole > 0.0 and square > 0.0):  # in 1D
-        return pack(1.0, 0.0, 0.0, 0.0), pack(0.0, 1.0, 0.0, 0.0), pack(0.0, 0.0, 1.0, 0.0)
-    n, t = (1.0 / sqrt(whole)) * n, (1.0 / sqrt(square)) * t
-    return n, t, in_lanes(cross(n, t))
+def _approach(D, rigid_bodies, surface, moved, both, cell):
+    """Velocity at which a patch and another body may come nearer, about two facets.
 
-
-@inner_kernel
-def _set_local(Q, v, row, k):
-    """Set components of a vector along directions, from entry `k` of a row on."""
-    row[k], row[k + 1], row[k + 2] = dot(Q[0], v), dot(Q[1], v), dot(Q[2], v)
-
-
-@inner_kernel
-def set_place(frame, rigid_bodies, surface, moved, P, both, cell, row):
-    """Set the place of one facet relative to another, and deformations there, see `KNOWN`.
-
-    Returns the velocity at which they may come nearer. The other one is below 0 at a wall.
+    The second facet is below 0 at a wall.
     """
-    D, (s, f) = len(frame.cell), both
-    x, v, F, most = _state(frame, rigid_bodies, surface, moved, P, s, cell)
-    Q = pack(1.0, 0.0, 0.0, 0.0), pack(0.0, 1.0, 0.0, 0.0), pack(0.0, 0.0, 1.0, 0.0)
-    for k in range(PLACE + 12, KNOWN):
-        row[k] = 0.0
+    s, f = both
+    v, most = _velocity(D, rigid_bodies, surface, moved, s, cell)
     if f >= 0:
-        y, w, G, more = _state(frame, rigid_bodies, surface, moved, P, f, cell)
-        Q, v, most, r = _directions(D, surface, f, G), v - w, most + more, x - y
-        x = pack(
-            lane(r, 0) - turns(surface, lane(r, 0), 0), lane(r, 1) - turns(surface, lane(r, 1), 1),
-            lane(r, 2) - turns(surface, lane(r, 2), 2), 0.0,
-        )  # fmt: skip
-        for k in range(3):
-            _set_local(Q, G[k], row, PLACE + 12 + 3 * k)
-    _set_local(Q, x, row, PLACE)
-    for k in range(3):
-        _set_local(Q, F[k], row, PLACE + 3 + 3 * k)
+        w, more = _velocity(D, rigid_bodies, surface, moved, f, cell)
+        v, most = v - w, most + more
     return sqrt(dot(v, v)) + _BEYOND * most
 
 
 @inner_kernel
-def _wakes(contact, surface, known, now, body, way, cell):
-    """Whether a patch of facet's body may have a pair, and whether it walks.
+def _place(frame, rigid_bodies, surface, moved, P, f):
+    """Position of a facet, in lanes, and its deformation gradient, a triple of columns.
 
-    `known` and `now` are rows, see `KNOWN`; `way` is by how much it may come nearer in the step.
+    `P` is scratch.
+    """
+    (cells, u, _), c, x = moved, surface.cell[f], surface.x[f]
+    if c < 0:
+        return _rigid_place(rigid_bodies, surface, f)
+    set_polynomial(len(frame.cell), cells, c, u, P)
+    F, p = gradient(frame, P, surface.place[f])
+    return pack(x[0] + p[0], x[1] + p[1], x[2] + p[2], 0.0), F
+
+
+@inner_kernel
+def _set_place(frame, rigid_bodies, surface, moved, P, both, row):
+    """Set the place of one facet relative to another, and deformations there, see `KNOWN`."""
+    s, f = both
+    r, F = _place(frame, rigid_bodies, surface, moved, P, s)
+    for k in range(PLACE + 12, KNOWN):
+        row[k] = 0.0
+    if f >= 0:
+        y, G = _place(frame, rigid_bodies, surface, moved, P, f)
+        r = r - y
+        r = pack(
+            lane(r, 0) - turns(surface, lane(r, 0), 0), lane(r, 1) - turns(surface, lane(r, 1), 1),
+            lane(r, 2) - turns(surface, lane(r, 2), 2), 0.0,
+        )  # fmt: skip
+        for k in range(3):
+            set_triple(row[PLACE + 12 + 3 * k : PLACE + 15 + 3 * k], G[k])
+    set_triple(row[PLACE : PLACE + 3], r)
+    for k in range(3):
+        set_triple(row[PLACE + 3 + 3 * k : PLACE + 6 + 3 * k], F[k])
+
+
+@inner_kernel
+def _way_off(known, now, cell):
+    """Way by which a patch has moved relative to another body since its facets were found.
+
+    `known` and `now` are rows, see `KNOWN`.
     """
     square, turned = 0.0, 0.0
     for k in range(3):
         square += (now[PLACE + k] - known[PLACE + k]) ** 2
     for k in range(PLACE + 3, KNOWN):
         turned += (now[k] - known[k]) ** 2
-    off = sqrt(square) + _AROUND * cell * sqrt(turned)
-    law = law_of(contact.pairs, body[0], body[1], cell, way)
-    left = known[CLEAR] - off - law[2]
-    if law[0] > 0 and not left > 0.0:
-        return True, off > WALK * cell
-    return False, False
+    return sqrt(square) + _AROUND * cell * sqrt(turned)
+
+
+@inner_kernel
+def _touches(known, law, way, cell):
+    """Whether a patch is awake and walks, however far it has moved.
+
+    `law` is as of `law_of`, `way` is by how much it may come nearer in the step.
+    """
+    return way > WALK * cell and not known[CLEAR] - law[2] > 0.0
 
 
 @inner_kernel
@@ -193,9 +195,8 @@ def find_awake(frame, contact, surface, moved, dt, near, moving, scratch) -> tup
         next to them; (1,) int64, their number. Of patches that walk all facets of what they meet
         and what is beside are moved. Where others are is no longer known. Last whether all facets
         of patches that are awake and of what they meet are wanted.
-    scratch : ((2^D, 4) float64, (patches, KNOWN) float64, (patches,) int64)
-        Scratch; then set for patches that are awake: what is known of them now, but `CLEAR`, and
-        the facet next to the middle one.
+    scratch : ((2^(D+1), 4) float64, (KNOWN,) float64)
+        Scratch.
 
     Returns
     -------
@@ -203,9 +204,8 @@ def find_awake(frame, contact, surface, moved, dt, near, moving, scratch) -> tup
         Numbers of patches that are awake, and of facets to be moved.
     """
     (every, patches), (_, _, _, _, chosen, moved_before, _) = near, moving
-    cell, awake, at = frame.cell[0], 0, (chosen, moved_before)
-    for d in range(len(frame.cell)):
-        cell = min(cell, frame.cell[d])
+    D, rigid_bodies, cell = len(frame.cell), contact.rigid_bodies, least_side(frame)
+    awake, at, now = 0, (chosen, moved_before), scratch[1]
     for n in range(moved_before[0]):
         for d in range(3):
             surface.now[chosen[n], d] = inf
@@ -213,16 +213,18 @@ def find_awake(frame, contact, surface, moved, dt, near, moving, scratch) -> tup
     for g in range(len(patches.start) - 1):
         first, last = patches.start[g], patches.start[g + 1]
         known, middle = patches.known[g], every[(first + last) // 2]
-        s, now = middle.facet, scratch[1][awake]
-        wakes, walks = True, False
+        s, both = middle.facet, (middle.facet, middle.other)
+        way = dt * _approach(D, rigid_bodies, surface, moved, both, cell)
+        law = law_of(contact.pairs, surface.body[s], middle.body, cell, way)
+        wakes, walks = law[0] > 0, True
         if middle.other < 0 and last - first <= _FEW and surface.cell[s] >= 0:
-            v, most = _velocities(len(frame.cell), surface, moved, s)
-            way = dt * (sqrt(dot(v, v)) + _BEYOND * most)
-        else:
-            of = surface, moved, scratch[0], (s, middle.other)
-            way = dt * set_place(frame, contact.rigid_bodies, *of, cell, now)
-            body = surface.body[s], middle.body
-            wakes, walks = _wakes(contact, surface, known, now, body, way, cell)
+            walks = False
+        elif wakes and not _touches(known, law, way, cell):
+            off = inf
+            if known[PLACE] != FAR:
+                _set_place(frame, rigid_bodies, surface, moved, scratch[0], both, now)
+                off = _way_off(known, now, cell)
+            wakes, walks = not known[CLEAR] - off - law[2] > 0.0, off > WALK * cell
         if not wakes:
             if middle.side != RESTS:
                 for n in range(first, last):
@@ -230,7 +232,7 @@ def find_awake(frame, contact, surface, moved, dt, near, moving, scratch) -> tup
                 middle.side = RESTS
             continue
         patches.awake[awake], patches.ways[awake] = g, way
-        patches.walks[awake], scratch[2][awake] = 1 if walks else 0, middle.other
+        patches.walks[awake] = 1 if walks else 0
         awake += 1
         for n in range(first, last):
             _choose(surface, every[n].facet, at)
@@ -277,20 +279,18 @@ def find_near_gaps(frame, contact, walls, surface, moved, lengths, near, room) -
     Also what `find_gaps` returns, see there. See `find_awake` for what patches these are. `lengths`
     are the step and the greatest distance; `room` is `moving` and scratch of both.
     """
-    (cells, u, _), (every, patches), (dt, far), (moving, scratch, now) = moved, near, lengths, room
-    chosen = moving[4]
-    own, cell = (scratch[0], *now), frame.cell[0]
-    for d in range(len(frame.cell)):
-        cell = min(cell, frame.cell[d])
+    (cells, u, _), (every, patches), (dt, far), (moving, scratch, row) = moved, near, lengths, room
+    chosen, cell, rigid_bodies = moving[4], least_side(frame), contact.rigid_bodies
+    own = scratch[0], row
     awake, moves = find_awake(frame, contact, surface, moved, dt, near, moving, own)
-    move_facets(frame, contact.rigid_bodies, surface, cells, u, chosen[:moves], scratch)
+    move_facets(frame, rigid_bodies, surface, cells, u, chosen[:moves], scratch)
     patches = Patches(
         patches.start, patches.awake[:awake], patches.walks[:awake], patches.ways[:awake],
         patches.known,
     )  # fmt: skip
     every_move = find_around(surface, (every, patches), moving)
     more = chosen[moves:every_move]
-    move_facets(frame, contact.rigid_bodies, surface, cells, u, more, scratch)
+    move_facets(frame, rigid_bodies, surface, cells, u, more, scratch)
     own = every, patches
     tilted = find_gaps(frame, contact, walls, surface, (cells, u), scratch, far, own)
     for k in range(awake):
@@ -298,10 +298,10 @@ def find_near_gaps(frame, contact, walls, surface, moved, lengths, near, room) -
             continue
         g = patches.awake[k]
         known, middle = patches.known[g], every[(patches.start[g] + patches.start[g + 1]) // 2]
-        if middle.other == now[1][k]:
-            for n in range(PLACE, KNOWN):
-                known[n] = now[0][k, n]
-        else:
-            of = surface, moved, scratch[0], (middle.facet, middle.other)
-            set_place(frame, contact.rigid_bodies, *of, cell, known)
+        bodies, way = (surface.body[middle.facet], middle.body), patches.ways[k]
+        law = law_of(contact.pairs, bodies[0], bodies[1], cell, way)
+        known[PLACE] = FAR
+        if not _touches(known, law, way, cell):
+            both = middle.facet, middle.other
+            _set_place(frame, rigid_bodies, surface, moved, scratch[0], both, known)
     return awake, tilted

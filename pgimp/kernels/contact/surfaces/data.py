@@ -36,11 +36,12 @@ NEAR_FACET = structure(
 
 #: What is known of a patch since the facets next to it were found: the way by which its gaps were
 #: from closing. From `PLACE` on the vector from the other body's facet to its middle one, and the
-#: deformation gradients of both, in directions of the former.
+#: deformation gradients of both. They do not matter of patches that touch and move.
 CLEAR, PLACE, KNOWN = 0, 1, 22
 
-#: More than any length; checkpoints have finite numbers.
-_FAR = 1e300
+#: More than any length; checkpoints have finite numbers. The first number from `PLACE` on is this
+#: where these do not matter.
+FAR = 1e300
 
 
 class Surface(NamedTuple):
@@ -107,7 +108,7 @@ class Patches(NamedTuple):
         awake = np.arange(len(begin))
         ways = np.full(len(begin), way)
         known = np.zeros((len(begin), KNOWN))
-        known[:, CLEAR] = -_FAR
+        known[:, CLEAR] = -FAR
         return cls(np.append(begin, len(every)), awake, np.ones(len(begin), np.uint8), ways, known)
 
     def first(self, count: int) -> Self:
@@ -115,6 +116,15 @@ class Patches(NamedTuple):
         return self._replace(
             awake=self.awake[:count], walks=self.walks[:count], ways=self.ways[:count]
         )
+
+
+@inner_kernel
+def least_side(frame):
+    """Least side of a cell."""
+    cell = frame.cell[0]
+    for d in range(len(frame.cell)):
+        cell = min(cell, frame.cell[d])
+    return cell
 
 
 @inlined

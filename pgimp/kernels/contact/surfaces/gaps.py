@@ -15,6 +15,8 @@ from pgimp.kernels.contact.surfaces.data import CLEAR, turns
 from pgimp.kernels.contact.surfaces.motion import cofactors, gradient, set_polynomial, turned_normal
 from pgimp.kernels.contact.surfaces.nearest import (
     ALIKE,
+    BESIDE_BEFORE,
+    BESIDE_BEHIND,
     FACES,
     STEEP,
     WIDE,
@@ -31,9 +33,9 @@ from pgimp.kernels.contact.surfaces.spread import (
     mean_displacement,
 )
 
-#: Cells by which a point may lie beside a facet's part of a box, and the same over its distance, of
-#: points before the facet and behind it: what is deep beside an edge is not in the body.
-_BESIDE, _BESIDE_BEFORE, _BESIDE_BEHIND = 1e-3, 0.5, 0.15
+#: Cells by which a point may lie beside a facet's part of a box; further by its distance before the
+#: facet or behind it. What is deep beside an edge is not in the body.
+_BESIDE = 1e-3
 
 #: Depth in cells beyond which a point is not in a surface, but in what is behind, and cells within
 #: which facets are next to each other.
@@ -144,7 +146,7 @@ def _find_gap(frame, rigid_bodies, surface, moved, scratch, near, used):
         for d in range(D):
             phi += (_own(frame, cells, c, near, d) - surface.x[f, d]) * surface.normal[f, d]
         near.gap = phi / length
-        most = _BESIDE * least + max(_BESIDE_BEFORE * phi, -_BESIDE_BEHIND * phi)
+        most = _BESIDE * least + max(BESIDE_BEFORE * phi, -BESIDE_BEHIND * phi)
         beside = _beyond(D, frame, cells, surface, c, near, f) - most
         last = attempt + 1 == _ATTEMPTS
         if last or not (close and beside > 0.0 and abs(near.gap) < FARTHEST * least):

@@ -20,9 +20,10 @@ from pgimp.kernels.data.ledger import Ledger
 from pgimp.physics.contact.base import TIED
 
 #: What the sweeps need of a pair, in rows of four numbers. Three components and a number: inverse
-#: mass, and along the normal; compliance of its own, and greatest inverse mass; velocity that no
-#: impulse changes, and the root of that mass; normal, and velocity that closes the gap; impulse
-#: across the normal, and along it; that at the begin of two sweeps, and its last change.
+#: mass, and mass along the normal; compliance of its own, and least mass; velocity that no impulse
+#: changes, and the root of the inverse of that mass; normal, and velocity that closes the gap;
+#: impulse across the normal, and along it; that at the begin of two sweeps, and its last change.
+#: Masses are 0 where nothing moves: sweeps multiply by them, as divisions would take their time.
 _INVERSE, _SOFT, _FIXED, _NORMAL, _IMPULSE, _START, _CHANGE = 0, 4, 8, 12, 16, 20, 24
 PREPARED = 28
 
@@ -59,7 +60,8 @@ def _prepare(contact, contact_pairs, k, coupling, solved, prepared):
     rigid_end = end.rows[0] < 0 or end.rows[1] < 0
     if contact.pairs.kind[end.law - 1] != TIED and rigid_end and answer < LEAST_GIVEN * most:
         most = 0.0  # it has no impulse
-    own[_INVERSE + 3], own[_SOFT + 3] = answer, most
+    own[_INVERSE + 3] = 1.0 / answer if answer > 0.0 else 0.0
+    own[_SOFT + 3] = 1.0 / most if most > 0.0 else 0.0
 
 
 @inner_kernel
@@ -78,8 +80,8 @@ def _exchange(contact, dt, contact_pairs, k, coupling, solved, prepared):
     """
     end, row, rigid = contact_pairs.ends[k], contact_pairs.states[k], contact_pairs.rigid[k]
     soft, fixed = load_row(prepared, k, _SOFT), load_row(prepared, k, _FIXED)
-    most, root, entry = lane(soft, 3), lane(fixed, 3), end.law - 1
-    if not most > 0.0:
+    least, root, entry = lane(soft, 3), lane(fixed, 3), end.law - 1
+    if not least > 0.0:
         return 0.0, 0.0
     normal, across = load_row(prepared, k, _NORMAL), load_row(prepared, k, _IMPULSE)
     inverse, push = load_row(prepared, k, _INVERSE), lane(across, 3)
@@ -98,20 +100,20 @@ def _exchange(contact, dt, contact_pairs, k, coupling, solved, prepared):
                 prepared[k, _IMPULSE + d] -= lane(w, d) / prepared[k, _INVERSE + d]
         after = push * normal + load_row(prepared, k, _IMPULSE)
     else:
-        answer, along, pressed = lane(inverse, 3), _dot(w, normal), push
-        if answer > 0.0:
-            pressed = max(0.0, push - (along + lane(normal, 3)) / answer)
+        mass, along, pressed = lane(inverse, 3), _dot(w, normal), push
+        if mass > 0.0:
+            pressed = max(0.0, push - mass * (along + lane(normal, 3)))
             if pressed == 0.0 and row.adhesion > 0.0:
-                required = min(0.0, push - along / answer)
+                required = min(0.0, push - mass * along)
                 pressed = max(-row.adhesion, required)
                 row.adhesion_used = pressed / required if required < 0.0 else 1.0
-        stick = across - (1.0 / most) * (w - along * normal)
+        stick = across - least * (w - along * normal)
         length, shear_adhesion = sqrt(_dot(stick, stick)), row.shear_adhesion
         if pressed < 0.0:
             shear_adhesion *= sqrt(1.0 - (pressed / row.adhesion) ** 2)
         part = sliding_part(
             contact.pairs, entry, shear_adhesion, max(pressed, 0.0), row.area * dt, length,
-            length * most,
+            length * (root * root),
         )  # fmt: skip
         row.sticking = part
         stick = part * stick

@@ -23,12 +23,15 @@ APART = 2.0
 #: Weight of the distance along a facet, so that one of several in a plane is next to a point.
 _ALONG = 1e-6
 
+#: Way by which a point may be beside a facet and have a gap, over that before it, or behind it.
+BESIDE_BEFORE, BESIDE_BEHIND = 0.5, 0.15
+
 #: Part of a disc's radius by which a gap may be less than the distance from its plane.
 _OFF = 0.25
 
 #: Cells by which facets have to come nearer before they are looked at again, at most: which is next
 #: to another may change on the way.
-CLEAR = 0.15
+CLEAR = 0.3
 
 #: Beside a disc by more than its radius times the root of 2: least part of the square that is from
 #: the rim on.
@@ -36,8 +39,8 @@ _BEYOND = 0.0857
 
 
 #: Marks of facets: beside a sharp edge; in a plane with their neighbours; without neighbours that
-#: are alike and not in their plane; of a wide one.
-TIP, FLAT, PLANE, WIDE = 1, 2, 4, 8
+#: are alike and not in their plane; of a wide one. Then the first bit of the number of its side.
+TIP, FLAT, PLANE, WIDE, SIDE = 1, 2, 4, 8, 4
 
 #: Radii from a flat facet's centroid within which the one that a point is over is this or one
 #: beside it.
@@ -165,6 +168,9 @@ def approach(D, surface, near, cell, walks, farthest):
     gap = along - _OFF * surface.radius[f]
     square = along * along + _ALONG * beside + over * over
     clear = min(max(gap, sqrt(square) - farthest), CLEAR * cell)
+    if D == 2:  # a facet ends where its disc does: what is beside it has a way to go
+        aside = over - max(BESIDE_BEFORE * along, -BESIDE_BEHIND * along) - _OFF * surface.radius[f]
+        clear = max(clear, min(aside / (1.0 + BESIDE_BEFORE), CLEAR * cell))
     second = near.body < surface.body[s]
     if surface.tip[f] & PLANE and (same > ACROSS or (second and same < STEEP - TURNS)):
         return inf, max(clear, until_facing(same, ACROSS, cell))

@@ -2,6 +2,8 @@
 
 from math import inf, sqrt
 
+from numpy import uint64  # of offsets: numbers below 0 would be looked for
+
 from pgimp.jit.kernel import inner_kernel, kernel
 from pgimp.kernels.contact.surfaces.data import turns
 from pgimp.kernels.contact.surfaces.nearest import (
@@ -9,6 +11,7 @@ from pgimp.kernels.contact.surfaces.nearest import (
     ALIKE,
     FLAT,
     PLANE,
+    SIDE,
     STEEP,
     TIP,
     apart,
@@ -20,6 +23,10 @@ from pgimp.kernels.once.neighbours import first_not_below
 
 #: How far neighbours in a plane may be off: cosines of normals, and radii behind it.
 _IN_PLANE = 1e-6
+
+#: Difference of a normal's components beyond which one is greater: at 45 degrees all facets of a
+#: face are on one side, and a pair remains the same from step to step.
+_ROUNDING = 1e-6
 
 
 @kernel
@@ -65,15 +72,25 @@ def find_beside(x, body, key_of, bins, strides, radius, start, beside):
     return found
 
 
+@inner_kernel
+def _side_of(normal):
+    """Number of the side of a facet, by its normal in the initial state."""
+    axis = 0
+    for d in range(1, 3):
+        if abs(normal[d]) > abs(normal[axis]) + _ROUNDING:
+            axis = d
+    return 2 * axis + (1 if normal[axis] > 0.0 else 0)
+
+
 @kernel
 def find_tips(surface, sharp, near, inside, towards):
     """Mark the facets beside a sharp edge: a neighbour's normal is nearly the opposite one.
 
     Those in a plane with all of their neighbours, none of them across a seam, are `FLAT`; those
-    with none that are alike but not in it are of a `PLANE`. `sharp` is the greatest cosine between
-    normals at an edge. Sets in `inside`, (n,) bool, whether facets are in a plane with all
-    neighbours within a length `near`. If that has one convex edge, `towards`, (n, 3) float64, is
-    the unit vector across it, in the plane; else 0.
+    with none that are alike but not in it are of a `PLANE`. Marks have sides, too. `sharp` is the
+    greatest cosine between normals at an edge. Sets in `inside`, (n,) bool, whether facets are in a
+    plane with all neighbours within a length `near`. If that has one convex edge, `towards`, (n, 3)
+    float64, is the unit vector across it, in the plane; else 0.
     """
     for f in range(len(surface.x)):
         tip, inside[f], edges, way = FLAT | PLANE, True, 0, towards[f]
@@ -97,7 +114,7 @@ def find_tips(surface, sharp, near, inside, towards):
                 tip &= ~PLANE
             if alike < sharp and behind < 0.0:
                 tip |= TIP
-        surface.tip[f] = tip
+        surface.tip[f] = tip | _side_of(surface.normal[f]) << SIDE
         if edges != 1 or not tip & PLANE:
             way[0] = way[1] = way[2] = 0.0
 
@@ -234,28 +251,43 @@ def _looks(surface, acts, cell, s, f):
 
 
 @inner_kernel
-def _find_runs(acts, runs, p, reach):
-    """Find the runs of facets that one may meet; returns how many there are."""
-    _, body, boxes, (keys, order, strides), close = runs
-    found, key_of = 0, keys[1, p]
+def _find_ranges(keys, key_of, strides, ranges):
+    """Set the ranges of ascending keys in a bin and those beside it; returns how many."""
+    found = 0
     for way in range(9):
         i, j = way // 3 - 1, way % 3 - 1
         if (i != 0 and strides[0] == 0) or (j != 0 and strides[1] == 0):
             continue
         key = key_of + i * strides[0] + j * strides[1]
-        at = first_not_below(keys[0], key - 1)
-        while at < len(order) and keys[0, at] <= key + 1:
-            q, near = order[at], True
-            at += 1
-            if acts[body[p], body[q]] == 0 and acts[body[q], body[p]] == 0:
-                continue
-            for d in range(3):
-                near = near and boxes[0, p, d] <= boxes[1, q, d] + reach
-                near = near and boxes[0, q, d] <= boxes[1, p, d] + reach
-            if near:
-                close[found] = q
-                found += 1
+        ranges[found, 0] = ranges[found, 1] = first_not_below(keys, key - 1)
+        while ranges[found, 1] < len(keys) and keys[ranges[found, 1]] <= key + 1:
+            ranges[found, 1] += 1
+        found += 1
     return found
+
+
+@inner_kernel
+def _find_runs(acts, runs, k, some, reach):
+    """Find the runs of facets that run `k` in the order of bins may meet; returns how many.
+
+    `some` is the number of ranges that they are in.
+    """
+    _, body, boxes, (_, order, _, ranges), close = runs
+    found, own, count = 0, body[order[k]], 0
+    x, y, z = boxes[k, 0] - reach, boxes[k, 1] - reach, boxes[k, 2] - reach
+    u, v, w = boxes[k, 3] + reach, boxes[k, 4] + reach, boxes[k, 5] + reach
+    for way in range(some):
+        for at in range(ranges[way, 0], ranges[way, 1]):
+            n = uint64(at)
+            inside = (boxes[n, 0] <= u) & (boxes[n, 3] >= x) & (boxes[n, 1] <= v)
+            inside &= (boxes[n, 4] >= y) & (boxes[n, 2] <= w) & (boxes[n, 5] >= z)
+            close[uint64(found)] = order[n]  # without a branch, which nothing would foretell
+            found += 1 if inside else 0
+    for m in range(found):
+        q = close[m]
+        close[count] = q
+        count += 1 if acts[own, body[q]] != 0 or acts[body[q], own] != 0 else 0
+    return count
 
 
 @kernel
@@ -290,8 +322,11 @@ def find_meeting(surface, acts, some, runs, reach, marks, best, every):
         How many there are.
     """
     found, start, close, (least, nearest, met) = 0, runs[0], runs[4], best
-    for p in range(reach[3], reach[4]):
-        count = _find_runs(acts, runs, p, reach[0])
+    (keys, order, strides, ranges), ways, last = runs[3], 0, -1
+    for r in range(reach[3], reach[4]):
+        if keys[r] != last:
+            ways, last = _find_ranges(keys, keys[r], strides, ranges), keys[r]
+        p, count = order[r], _find_runs(acts, runs, r, ways, reach[0])
         for n in range(start[p], start[p + 1] if count > 0 else start[p]):
             s, bodies = some[n], 0
             for m in range(count):

@@ -227,8 +227,10 @@ class NearMaterial(Proximity):
         surface = self.surface._replace(
             cell=np.concatenate([self.surface.cell, len(cells.low) + np.arange(n)]),
             normal=np.concatenate([self.surface.normal, np.zeros((n, 3))]),
+            tip=np.concatenate([self.surface.tip, np.zeros(n, np.uint8)]),
         )
         more = cells._replace(
+            corners=cells.corners[:0],  # vertices have other numbers here
             start=np.concatenate([cells.start, entries + size * np.arange(1, n + 1)]),
             column=np.concatenate([self._column, np.zeros(n * size, np.int64)]),
             weight=np.concatenate([cells.weight, np.tile(np.eye(size), (n, 1))]),

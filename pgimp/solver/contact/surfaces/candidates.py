@@ -89,7 +89,7 @@ def find_meeting_clusters(
         pairs = pairs[(acts | acts.T)[table.body[pairs[:, 0]], table.body[pairs[:, 1]]] != 0]
     else:
         pairs, found = grown(
-            8 * len(low) + 16,
+            16 * len(low) + 16,
             lambda size: np.empty((size, 2), np.int64),
             lambda room: call(find_close, order, low, high, most, table.body, acts, room),
         )
@@ -124,22 +124,22 @@ def runs_of(
 ) -> tuple[Any, ...]:
     """Runs of facets that are near each other, those of a patch, for `find_meeting`.
 
-    They are the first of each, (n + 1,) int64; bodies, (n,) int64; least and greatest coordinates,
-    (2, n, 3) float64; the keys of their bins, ascending and in order, (2, n) int64, that order, and
-    strides, see `find_beside`; and room for their numbers, (n,) int64.
+    They are the first of each, (n + 1,) int64; bodies, (n,) int64; in the order of bins least and
+    greatest coordinates, (n, 6) float64; the keys of these bins, ascending, (n,) int64, that order,
+    strides, see `find_beside`, and room for ranges, (9, 2) int64; and for numbers, (n,) int64.
     """
     patch, x = surface.patch[some], surface.now[some]
     ends = (patch[1:] != patch[:-1]) | (np.abs(x[1:] - x[:-1]) > 2.0 * cell).any(axis=1)
     first = np.flatnonzero(np.concatenate([np.ones(min(1, len(some)), bool), ends]))
-    boxes = np.stack([np.minimum.reduceat(x, first), np.maximum.reduceat(x, first)])
-    side = reach + float((boxes[1] - boxes[0]).max(initial=0.0))
-    key_of, strides = bins_of(0.5 * (boxes[0] + boxes[1]), side, D)
+    low, high = np.minimum.reduceat(x, first), np.maximum.reduceat(x, first)
+    side = reach + float((high - low).max(initial=0.0))
+    key_of, strides = bins_of(0.5 * (low + high), side, D)
     order = np.argsort(key_of, kind="stable")
-    bins = np.stack([key_of[order], key_of]), order, strides
+    bins = key_of[order], order, strides, np.empty((9, 2), np.int64)
     return (
         np.append(first, len(some)),
         surface.body[some[first]],
-        boxes,
+        np.concatenate([low, high], axis=1)[order],
         bins,
         np.empty(len(order), np.int64),
     )

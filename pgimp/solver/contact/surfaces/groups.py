@@ -42,6 +42,20 @@ def labels_of(scene: Scene, bonded: np.ndarray, walls: int) -> np.ndarray:
     return found
 
 
+def _least_joined(count: int, pairs: np.ndarray) -> np.ndarray:
+    """The least number that each number is joined to by pairs; those with one below 0 join none."""
+    a, b = pairs[(pairs >= 0).all(axis=1)].T
+    root = np.arange(count)
+    while (root[a] != root[b]).any():
+        least = np.minimum(root[a], root[b])
+        np.minimum.at(root, root[a], least)
+        np.minimum.at(root, root[b], least)
+        root = root[root]
+    while (root[root] != root).any():
+        root = root[root]
+    return root
+
+
 def find_groups(
     labels: np.ndarray, met: np.ndarray, of: np.ndarray, x: np.ndarray, ranks: int
 ) -> Groups:
@@ -59,19 +73,7 @@ def find_groups(
     of, x : (n,) int64, (n,) float64
         Facets' pairs, and where they are.
     """
-    root = list(range(1 + int(labels.max(initial=-1))))
-
-    def first(one: int) -> int:
-        while root[one] != one:
-            root[one] = root[root[one]]
-            one = root[one]
-        return one
-
-    for a, b in labels[met].tolist():
-        if a >= 0 and b >= 0:
-            one, other = sorted((first(a), first(b)))
-            root[other] = one
-    roots = np.array([first(one) for one in range(len(root))] + [-1])[labels]
+    roots = np.append(_least_joined(1 + int(labels.max(initial=-1)), labels[met]), -1)[labels]
     known, number = np.unique(roots[met].max(axis=1), return_inverse=True)
     number = number[of]
     size = np.bincount(number, minlength=len(known))

@@ -129,7 +129,7 @@ class Proximity:
         self._chosen, self._first = np.empty((2, 0), np.int64)
         self._moves, self._marks = np.zeros(1, np.int64), np.empty(0, np.bool_)
         self._whole = bool(scene.case.output.surface)  # loads are of all facets
-        self._now = np.empty((0, KNOWN)), np.empty(0, np.int64)
+        self._row = np.empty(KNOWN)
         self._window: object = None
         self._before = np.empty((0, 4))  # displacements of all surface vertices at the last search
         self._restored = np.empty(0)
@@ -316,7 +316,7 @@ class Proximity:
         awake, self._tilts = self.call(
             find_near_gaps, self.scene.domain.frame, laws, self.walls, table.every,
             (share.cells, u, values), (dt, self.far), (self.candidates, patches),
-            (moving, self.scratch, self._now),
+            (moving, self.scratch, self._row),
         )  # fmt: skip
         if awake != len(self._awake.awake):
             self._awake = patches.first(awake)
@@ -392,7 +392,6 @@ class Proximity:
         count, moving = len(table.around[0]) - 1, self.share.moving
         self._chosen = np.empty(len(moving) + 2 * len(mine), np.int64)
         self._marks, self._moves[0] = np.zeros(count, np.bool_), 0
-        self._now = np.empty((len(here), KNOWN)), np.empty(len(here), np.int64)
         self._first = np.searchsorted(surface.patch[moving], np.arange(count + 1))
         room = PIECES * len(mine)
         room += _MORE_PIECES * int((self.candidates["facet"] >= len(table.wide)).sum())

@@ -15,11 +15,15 @@ def _add_cell(D, cells, c, place, at, seen, coupling):
     entries.
     """
     (r, used), (sums, m), column, entry = at, place, coupling.column, coupling.entry
-    first, plain = cells.start[c], cells.plain[c]
-    for k in range(first, cells.start[c + 1]):
-        w, j = 0.0, cells.column[k]
+    plain, first, count = cells.plain[c], 0, 1 << D
+    known = plain and c < len(cells.corners)  # in memory that is at hand
+    if not known:
+        first, count = cells.start[c], cells.start[c + 1] - cells.start[c]
+    for n in range(count):
+        w, k = 0.0, first + n
+        j = cells.corners[c, n] if known else cells.column[k]
         if plain:
-            w = sums[m, k - first]
+            w = sums[m, n]
         elif D == 3:
             part = load_row(cells.weight, k, 0) * load_row(sums, m, 0)
             part = load_row(cells.weight, k, 4) * load_row(sums, m, 4) + part

@@ -18,10 +18,13 @@ The gap has the least d: a constraint that changes as d does would take energy.
 
 from math import inf, sqrt
 
+from numpy import int64
+
 from pgimp.jit.kernel import inner_kernel
 from pgimp.jit.vectors.lanes import sum_of
 from pgimp.jit.vectors.rows import load_row
 from pgimp.jit.vectors.simd import lane, vector, where
+from pgimp.kernels.contact.surfaces.nearest import SIDE
 from pgimp.physics.contact.base import TIED
 
 #: The least length d in cells, and over a dt^2 with the acceleration a that contact gives a patch.
@@ -44,10 +47,6 @@ NEAR, SOON, TOUCHES = 0.25, 4.0, 1e-3
 
 #: Least cosine between normals on one side of a body.
 _ONE_SIDE = 0.7
-
-#: Difference of a normal's components beyond which one is greater: at 45 degrees all facets of a
-#: face are on one side, and a pair remains the same from step to step.
-_ROUNDING = 1e-6
 
 
 @inner_kernel
@@ -86,18 +85,6 @@ def law_of(pairs, a, b, cell, way):
 
 
 @inner_kernel
-def _side_of(surface, f):
-    """Number of the side of facet `f`, by its normal in the initial state; 0 of walls."""
-    if f < 0:
-        return 0
-    axis = 0
-    for d in range(1, 3):
-        if abs(surface.normal[f, d]) > abs(surface.normal[f, axis]) + _ROUNDING:
-            axis = d
-    return 2 * axis + (1 if surface.normal[f, axis] > 0.0 else 0)
-
-
-@inner_kernel
 def find_sides(surface, every, first, last, near):
     """Set the sides of the other body that facets of a patch meet; returns the mask of these.
 
@@ -110,7 +97,9 @@ def find_sides(surface, every, first, last, near):
         if every[n].gap < least:
             least, best = every[n].gap, n
     while best >= 0:
-        side = _side_of(surface, every[best].other)
+        f, side = every[best].other, 0  # that of walls
+        if f >= 0:
+            side = int64(surface.tip[f] >> SIDE)  # type: ignore[assignment]
         while mask >> side & 1:
             side += 6
         mask |= 1 << side
