@@ -53,11 +53,19 @@ class EnergyBook(NamedTuple):
     scale: float  #: The greatest energy that was present or given.
     #: Energy set in motion: kinetic at the start, and whenever it rose from line to line.
     moved: float
+    #: Kinetic energy gained in the half step by which velocities are behind positions.
+    behind: Array
 
     @property
     def lost(self) -> Array:
         """Energy lost by the method since the start, over `scale`; negative: gained."""
         return self.taken[-1].values / self.scale
+
+    @property
+    def gained(self) -> float:
+        """Greatest energy from nothing, over `scale`: with velocities as they are, and in step."""
+        lost = self.taken[-1].values
+        return float(-np.nanmin(np.fmax(lost, lost - self.behind), initial=0.0)) / self.scale
 
 
 def energy_book(history: Array) -> EnergyBook | None:
@@ -99,7 +107,16 @@ def energy_book(history: Array) -> EnergyBook | None:
     scale = float(np.nanmax(np.abs(np.concatenate([supplied, present]))))
     motion = _known(kinetic)
     moved = float(motion[0] + np.maximum(np.diff(motion), 0.0).sum())
-    return EnergyBook(given, stored, taken, scale, moved) if scale > 0.0 else None
+    behind = 0.5 * np.asarray(history["dt"]) * _slope(motion, np.asarray(history["time"]))
+    return EnergyBook(given, stored, taken, scale, moved, behind) if scale > 0.0 else None
+
+
+def _slope(values: Array, time: Array) -> Array:
+    """Rate of change from line to line; 0 where it is not known."""
+    if len(time) < 2:
+        return np.zeros(len(time))
+    with np.errstate(all="ignore"):
+        return np.nan_to_num(np.gradient(values, time), nan=0.0, posinf=0.0, neginf=0.0)
 
 
 def _has(names: tuple[str, ...], name: str) -> bool:

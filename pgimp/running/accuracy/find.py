@@ -73,8 +73,8 @@ def of_history(case: Case, history: Array, edited: Collection[str] = ()) -> Iter
         yield Indicator("error", float(history["error"][-1]))
     if book := energy_book(history):
         lost = np.nan_to_num(book.lost)
-        if -lost.min() > 0.0:
-            yield Indicator("gained", float(-lost.min()))
+        if book.gained > 0.0:
+            yield Indicator("gained", book.gained)
         part, of = max(float(lost[-1]), 0.0), ""
         if part > 0.0 and book.moved > _TO_AND_FRO * book.scale:
             share = RULES["lost"].number(part * book.scale / book.moved)

@@ -33,6 +33,22 @@ def test_the_book_of_energy_closes(run):
     assert energy_book(np.asarray(run.history)[:0]) is None
 
 
+@pytest.mark.parametrize(("growth", "least", "most"), [(0.0, 0.0, 0.01), (0.01, 0.15, 0.25)])
+def test_velocities_half_a_step_behind_are_no_energy_from_nothing(growth, least, most):
+    """An oscillator in ten steps a radian: its energy is right to dt^2, as read off to dt/2."""
+    dt, x, v, lines = 0.1, 1.0, 0.0, []
+    for n in range(200):
+        v -= dt * x
+        x += dt * v
+        kinetic, strain = 0.5 * v * v, 0.5 * x * x
+        kinetic, strain = (e * np.exp(growth * n * dt) for e in (kinetic, strain))
+        lines.append((n * dt, dt, kinetic, strain, 0.0, 0.5 - kinetic - strain))
+    names = "time dt kinetic-energy strain-energy external-work dissipated-energy"
+    book = energy_book(np.array(lines, [(name, float) for name in names.split()]))
+    assert least <= book.gained < most
+    assert -book.lost.min() > 0.04
+
+
 def test_the_book_of_momentum_closes_to_rounding(run):
     """The left block loses nothing to walls before it meets the other; all forces are known."""
     books, why = momentum_books(run.case, np.asarray(run.history))
