@@ -5,6 +5,7 @@ from math import prod
 import numpy as np
 
 from pgimp.decomposition.pages import give_back
+from pgimp.jit.bound import Bound
 from pgimp.kernels.data.arguments import Order
 from pgimp.kernels.data.frame import Frame
 from pgimp.kernels.data.particles import Columns, IntArray, Particles
@@ -75,6 +76,7 @@ class Population:
         self._offsets = np.empty(0, np.int32)
         self._scratch = np.empty(0)
         self._layout: tuple[Particles, Columns] | None = None
+        self._call = Bound()
         if start is None:
             self.sort()
         else:
@@ -239,14 +241,15 @@ class Population:
         """
         p = self.columns
         self._offsets = with_capacity(self._offsets, max(len(left), len(arrivals)))
-        sort_rows(p.layer, p.cell, p.id, arrivals, self._offsets)
+        self._call(sort_rows, p.layer, p.cell, p.id, arrivals, self._offsets)
         offsets = self._offsets[: len(left)]
         offsets[:] = left  # its memory may overlap the new order's
         count = len(self.order) - len(left) + len(arrivals)
         self._spare = with_capacity(self._spare, count)
-        merge(
-            p, self.order, self.start, offsets, self.first, arrivals, self._spare, self._spare_start
-        )
+        self._call(
+            merge, p, self.order, self.start, offsets, self.first, arrivals, self._spare,
+            self._spare_start,
+        )  # fmt: skip
         # The spare array is long enough for all particles, too, see `changed`.
         old, self.order = self._whole(self.order), self._spare[:count]
         self._spare = with_capacity(old, count)

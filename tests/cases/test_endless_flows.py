@@ -46,17 +46,16 @@ def test_grains_find_bagnolds_profile(runs):
 
 
 def test_vortices_decay(tmp_path):
-    """Cells twice as large: the kinetic energy to 3 %, and the pattern."""
+    """The kinetic energy to 2 %, half as much again as its error, and the pattern."""
     registry.import_file(str(CASES / "vortices.py"))
-    run = pgimp.run(CASES / "own/taylor-green.yaml", output=tmp_path / "run", quiet=True,
-                    overrides={"grid.cell": [0.0625, 0.0625]})  # fmt: skip
+    run = pgimp.run(CASES / "own/taylor-green.yaml", output=tmp_path / "run", quiet=True)
     history, nu, k = run.history, 0.02, 2.0 * np.pi
     exact = 0.25 * np.exp(-4.0 * nu * k * k * history["time"])
-    assert history["kinetic-energy"] == pytest.approx(exact, rel=0.03)
+    assert history["kinetic-energy"] == pytest.approx(exact, rel=0.02)
     frame = run.frame(-1)
     x, v = frame["position"], frame["velocity"][:, :2]
     pattern = np.stack([np.sin(k * x[:, 0]) * np.cos(k * x[:, 1]),
                         -np.cos(k * x[:, 0]) * np.sin(k * x[:, 1])], axis=1)  # fmt: skip
     decay = np.exp(-2.0 * nu * k * k * frame.time)
     assert np.sum(v * pattern) / np.sum(pattern**2) == pytest.approx(decay, rel=0.03)
-    assert np.sqrt(np.mean(np.sum((v - decay * pattern) ** 2, axis=1))) < 0.1
+    assert np.sqrt(np.mean(np.sum((v - decay * pattern) ** 2, axis=1))) < 0.03

@@ -123,6 +123,14 @@ def _inverse_mass(field, bilateral, d):
 
 
 @inner_kernel
+def parts(pairs, entry):
+    """Whether a pair's law has no ties, no adhesion, and acts on surfaces that touch alone."""
+    if pairs.kind[entry] == TIED or pairs.adhesion[entry, 2] > 0.0:
+        return False
+    return not acts_apart(pairs, entry)
+
+
+@inner_kernel
 def rests_apart(pairs, entry, row):
     """Whether a pair exchanges nothing unless its surfaces reach each other."""
     if pairs.kind[entry] == TIED or row.adhesion + row.shear_adhesion != 0.0:

@@ -1,9 +1,9 @@
 """Search for a step's contact vertices, with their fields and pairs: done once for all passes."""
 
 from math import inf
-from typing import Any, NamedTuple
 
 from pgimp.jit.kernel import inlined, inner_kernel, is_record, kernel
+from pgimp.kernels.contact.apart import are_apart, stay_apart
 from pgimp.kernels.contact.gap import find_pairs
 from pgimp.kernels.contact.law import rests_apart
 from pgimp.kernels.contact.listed import FIELDS, PAIRS, VERTICES
@@ -14,9 +14,7 @@ from pgimp.kernels.contact.rigid_fields import (
     set_rigid_velocity,
 )
 from pgimp.kernels.contact.volumes import VOLUME_CORRECTION
-from pgimp.kernels.data.arguments import Field
 from pgimp.kernels.data.field_marks import fields_marked, has_several, mark_fields
-from pgimp.kernels.data.frame import Frame
 from pgimp.kernels.data.record import FORCE, MASS, MOMENTUM, VELOCITY
 from pgimp.kernels.data.used_rows import next_rows, rows_with
 from pgimp.kernels.data.velocity_fields import field_size
@@ -24,19 +22,11 @@ from pgimp.kernels.grid.faces import beyond_any, face_count, on_walls, wall_side
 from pgimp.kernels.rigid.ring_volume import ring_volume_factor, walled_volume_factor
 
 
-class Search(NamedTuple):
-    """Where vertices are searched, and for which pass: the arguments of `list_vertices`."""
-
-    faces: Any
-    frame: Frame
-    field: Field
-    dt: float
-    last: bool
-
-
 @kernel
-def list_vertices(contact, faces, frame, field, dt, last, folded):
+def list_vertices(contact, search, folded):
     """List the vertices of all planes with contact at which some pairs act on each other.
+
+    Those at which no surfaces reach each other in the step are left out.
 
     Their order is that of the planes' vertices. So sums over them go in it too.
 
@@ -44,17 +34,12 @@ def list_vertices(contact, faces, frame, field, dt, last, folded):
     ----------
     contact : Contact
         With its volumes; `listed` is set.
-    faces, frame, field
-        See `Faces`, `Frame`, `Field`, after the fold of mirrors.
-    dt : float
-        Length of the step.
-    last : bool
-        Whether the list is for the last pass, in which free rigid bodies take part.
+    search : Search
+        The field is as after the fold of mirrors. In the last pass free rigid bodies take part.
     folded : bool
         Whether mirrors may have given vertices further fields.
     """
-    listed, window = contact.listed, field.window
-    search = Search(faces, frame, field, dt, last)
+    listed, field, window = contact.listed, search.field, search.field.window
     found, least = (0, 0, 0), 2 - has_rigid_bodies(contact.rigid_bodies)
     for i in range(len(contact.vertex_counts)):
         listed.start[i] = found[VERTICES]
@@ -92,11 +77,11 @@ def _add(contact, search, number, most, near, found):
     rigid = 0
     if near:
         rigid = load_rigid_bodies(contact, contact.rigid_bodies, frame, number, sides, count, last)
-    if count + rigid < 2:
+    if count + rigid < 2 or (rigid == 0 and are_apart(contact, search, number, count)):
         return found
     ring_factor = ring_volume_factor(frame, number, sides)
     pairs = find_pairs(contact, frame, sides, ring_factor, count + rigid, rigid, search.dt)
-    if pairs == 0:
+    if pairs == 0 or stay_apart(contact, search, number, count, rigid, pairs):
         return found
     listed, (v, f, p) = contact.listed, found
     after = (v + 1, f + count + rigid, p + pairs)

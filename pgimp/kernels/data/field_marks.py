@@ -2,7 +2,7 @@
 
 from pgimp.jit.kernel import inner_kernel
 from pgimp.jit.words import lowest_bit
-from pgimp.kernels.data.record import MASS
+from pgimp.kernels.data.record import MASS, RECORD
 from pgimp.kernels.data.used_rows import next_rows, rows_with, used_rows
 from pgimp.kernels.data.velocity_fields import field_count, field_size
 
@@ -21,19 +21,19 @@ def has_several(mark):
 def mark_fields(field, i, marks):
     """Set the marks of plane `i`, see `Contact.marks`, in the rows that any field uses."""
     window, G, size = field.window, field.G, field_size(field.window)
-    left = rows_with(field, i, 1)
+    of_row = window.extent[2]
+    own, left = marks[i].reshape(marks[i].size), rows_with(field, i, 1)
     while left:
         begin, end, left = next_rows(field, left)
-        marks[i, begin:end] = 0
+        own[begin * of_row : end * of_row] = 0
     for f in range(field_count(window)):
         first, bit, left = i * window.stride[0] + f * size, 1 << f % _BITS, used_rows(field, i, f)
         while left:
             begin, end, left = next_rows(field, left)
-            for j in range(begin, end):
-                for k in range(window.extent[2]):
-                    if G[first + j * window.stride[1] + k * window.stride[2] + MASS] > 0.0:
-                        twice = (marks[i, j, k] & bit != 0) << _BITS
-                        marks[i, j, k] |= bit | twice
+            for v in range(begin * of_row, end * of_row):
+                if G[first + v * RECORD + MASS] > 0.0:
+                    twice = (own[v] & bit != 0) << _BITS
+                    own[v] |= bit | twice
 
 
 @inner_kernel

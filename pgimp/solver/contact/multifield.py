@@ -12,13 +12,13 @@ from pgimp.decomposition.population import Population
 from pgimp.errors import DamagedError
 from pgimp.jit.bound import Bound
 from pgimp.jit.rehearsal import marked, needed
+from pgimp.kernels.contact.apart import Search
 from pgimp.kernels.contact.colouring import find_excursion
 from pgimp.kernels.contact.data import Contact
 from pgimp.kernels.contact.fill import find_rigid_vertices
-from pgimp.kernels.contact.forces import contact_forces
 from pgimp.kernels.contact.rigid_newton import find_rigid_impulses
 from pgimp.kernels.contact.select import select_near
-from pgimp.kernels.contact.vertex import find_contact_vertices
+from pgimp.kernels.contact.vertex import contact_forces, find_contact_vertices
 from pgimp.kernels.contact.vertex_list import list_vertices
 from pgimp.kernels.contact.volumes import volume_sums
 from pgimp.kernels.data.arguments import Field, Order
@@ -40,6 +40,9 @@ from pgimp.solver.rank_state import RankState
 from pgimp.solver.time.clock import Step
 from pgimp.solver.vertex_sums import VertexSums
 from pgimp.solver.vertices import VertexUpdate
+
+#: Marks of constrained vertices in scenes without any.
+_NONE_HELD = np.empty(0, np.int64)
 
 #: Coordinates of the boxes of bodies without particles, in checkpoints.
 _EMPTY = 1e300
@@ -264,17 +267,16 @@ class MultifieldContact(NoContact):
         if not needed(contact.vertex_counts.any()):
             contact.listed.start.fill(0)
             return
+        domain, forcing = self.scene.domain, update.forcing
+        light = np.inf if rank.phases else rank.mass_cutoff
+        held = forcing.marked[1] if forcing.marked else _NONE_HELD
+        search = Search(
+            update.faces, domain.frame, rank.grid.field, update.t.dt, last, forcing.gravity, light,
+            held,
+        )  # fmt: skip
+        folded = bool(domain.mirrors or domain.absorbing_mirrors)
         while True:
-            self.call(
-                list_vertices,
-                self.data,
-                update.faces,
-                self.scene.domain.frame,
-                rank.grid.field,
-                update.t.dt,
-                last,
-                bool(self.scene.domain.mirrors or self.scene.domain.absorbing_mirrors),
-            )
+            self.call(list_vertices, self.data, search, folded)
             if self.data.listed.fits():
                 return
             self.data = self.data._replace(listed=self.data.listed.with_room())
