@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from pgimp.commands.job import Job
 from pgimp.errors import UsageError, explain
 from pgimp.mpi.collective import on_root
 from pgimp.mpi.comm import abort_on_error, world
@@ -16,7 +17,6 @@ from pgimp.mpi.together import end_all_on_exceptions, require_same
 from pgimp.running.how import How
 from pgimp.running.log import Log
 from pgimp.running.stop import Stop, wall_time
-from pgimp.utilities.job import Job
 
 if TYPE_CHECKING:
     from pgimp.case.load import Source
