@@ -1,4 +1,4 @@
-"""Commands, a module each: ``add_arguments(parser)`` and ``execute(args) -> int``; `job` is a run."""
+"""Commands, a module each: ``add_arguments(parser)``, ``execute(args) -> int``; `job` is a run."""
 
 #: Summaries of the commands; any other word on the command line is a case to run.
 COMMANDS = {
