@@ -67,7 +67,7 @@ def resolve(
 def _may_be_cured(problem: Problem) -> bool:
     """Whether a problem depends on the method, or on what goes with it alone."""
     path = problem.path
-    return path[:1] in (("method",), ("contact",), ("output",)) or (
+    return path[:1] in (("method",), ("contact",), ("output",), ("probes",)) or (
         path[:1] == ("bodies",) and path[2:3] in (("formulation",), ("mass",), ("surface",))
     )
 

@@ -11,10 +11,13 @@ import numpy as np
 from pgimp.case.choices.facts import kind_of
 from pgimp.case.motion.moving_boxes import held_at
 from pgimp.errors import PgimpError
+from pgimp.geometry.regions.ball import Ball
+from pgimp.geometry.regions.box import Box
 from pgimp.io.results.history import read_sums
 from pgimp.running.accuracy.books import edited_functions, energy_book, momentum_books
 from pgimp.running.accuracy.particles import BodyState, body_states
 from pgimp.running.accuracy.rules import RULES, Indicator
+from pgimp.running.accuracy.thickness import thickness
 from pgimp.scene.checks.locking import locked
 from pgimp.scene.checks.validity.tearing import flows
 from pgimp.solver.time.stability import stable_courant
@@ -131,6 +134,9 @@ def of_case(case: Case, boxes: Boxes, courant: Any = None) -> Iterator[Indicator
         yield Indicator("step", float(courant) / stable_courant(case))
     for name, (low, high) in boxes.items():
         across = _cells_across(case, np.array(low, float), np.array(high, float))
+        region = case.bodies[name].region
+        if case.dimensions > 1 and not isinstance(region, Ball | Box):
+            across = min(across, thickness(case, region, _going_on(case)))
         if np.isfinite(across):
             yield Indicator("cells", across, name)
     for name, ratio in locked(case):
@@ -155,6 +161,13 @@ def _cells_across(case: Case, low: Array, high: Array) -> float:
             across = float(high[axis] - low[axis]) / cell
             least = min(least, 2.0 * across if any(held) else across)
     return least
+
+
+def _going_on(case: Case) -> Array:
+    """Faces beyond which bodies go on, (D, 2) bool; see `_goes_on`."""
+    return np.array(
+        [[bool(_goes_on(case, axis, side)) for side in (0, 1)] for axis in range(case.dimensions)]
+    )
 
 
 def _goes_on(case: Case, axis: int, side: int) -> bool | None:

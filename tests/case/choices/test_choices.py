@@ -266,6 +266,15 @@ def test_what_the_initial_configuration_excludes_is_in_the_current_one_with_the_
     assert "output.grid.0" in lines(case)[0]
 
 
+def test_probes_may_have_fields_of_the_initial_configuration_alone():
+    """As frames may: what plain values exclude does not count before the choice."""
+    probe = {"at": [3.0, 3.0], "body": "body", "fields": ["recovered-stress"]}
+    case = pgimp.load(bare(2, block(), probes={"p": probe}))
+    assert configurations(case) == {"body": "total-lagrangian"}
+    with pytest.raises(CaseError, match=r"probes\.p\.fields\.0: .* current"):
+        pgimp.load(bare(2, block(), CLAY, probes={"p": probe}))
+
+
 def test_other_mistakes_are_named_as_in_any_case():
     data = bare(2, block())
     data["materials"]["soft"]["poisson"] = 0.7

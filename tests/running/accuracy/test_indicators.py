@@ -59,6 +59,41 @@ def test_the_book_of_momentum_closes_to_rounding(run):
     assert momentum_books(tractions, np.asarray(run.history))[0] == []
 
 
+@pytest.mark.parametrize("dimensions", [2, 3])
+@pytest.mark.parametrize(
+    ("region", "cells", "within"),
+    [
+        # A plate across the main diagonal, of 0.2 in cells of 0.1.
+        (lambda n: {"intersection": [
+            {"box": {"min": [0.5] * n, "max": [3.5] * n}},
+            *({"half-space": {"point": [2.0 + s * 0.1 / n**0.5] * n, "normal": [s] * n}}
+              for s in (1.0, -1.0)),
+        ]}, 2.0, 0.06),
+        # A ring or a shell of 0.3.
+        (lambda n: {"difference": [
+            {"ball": {"centre": [2.0] * n, "radius": 1.5}},
+            {"ball": {"centre": [2.0] * n, "radius": 1.2}},
+        ]}, 3.0, 0.1),
+        # A quarter of it, on planes of symmetry.
+        (lambda n: {"intersection": [
+            {"difference": [
+                {"ball": {"centre": [0.0] * n, "radius": 3.5}},
+                {"ball": {"centre": [0.0] * n, "radius": 2.9}},
+            ]},
+            {"box": {"min": [0.0] * n, "max": [4.0] * n}},
+        ]}, 6.0, 0.1),
+    ],
+)  # fmt: skip
+def test_cells_across_bodies_that_lie_in_any_direction(dimensions, region, cells, within):
+    """Boxes around them are wider by far; chords are longer than the thickness by their angle."""
+    data = scene(dimensions, {"body": {"material": "soft", "region": region(dimensions)}},
+                 grid={"size": [4.0] * dimensions, "cell": [0.1] * dimensions},
+                 boundaries={f"{axis}-min": "slip" for axis in "xyz"[:dimensions]})  # fmt: skip
+    case = pgimp.load(data)
+    (found,) = (one.value for one in of_case(case, boxes_of(case)) if one.name == "cells")
+    assert cells * (1.0 - 1e-3) - 0.05 <= found <= cells * (1.0 + within)
+
+
 def test_a_run_ends_with_what_is_uncomfortable(run):
     """Two blocks of three cells that stick together; nothing is said where all is well."""
     (said,) = re.findall("^accuracy: (.*)", (run.path / "log.txt").read_text(), re.MULTILINE)

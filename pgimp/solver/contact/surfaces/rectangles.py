@@ -59,17 +59,19 @@ def with_wide(
     square = way[:, :, None] * way[:, None] + (its.transpose(0, 2, 1) @ its) / 3.0
     moments = sums(part[:, None, None] * square) / area[:, None, None]
     normal, both = surface.normal[own], np.zeros((len(own), 2, 3))
-    b = surface.edges[own, 1]
-    b = b / np.sqrt((b * b).sum(axis=1))[:, None]
-    a = np.cross(b, normal)
-    along, skew, across = (
-        3.0 * np.einsum("ki,kij,kj->k", *each) for each in ((a, moments, a), (a, moments, b),
-                                                           (b, moments, b))
-    )  # fmt: skip
-    along = np.sqrt(along)
-    skew /= along
-    across = np.sqrt(np.maximum(across - skew**2, 0.0))
-    both[:, 0], both[:, 1] = along[:, None] * a + skew[:, None] * b, across[:, None] * b
+    # Of slivers without a width nothing is known: they are as small as they are.
+    with np.errstate(invalid="ignore", divide="ignore"):
+        b = surface.edges[own, 1]
+        b = b / np.sqrt((b * b).sum(axis=1))[:, None]
+        a = np.cross(b, normal)
+        along, skew, across = (
+            3.0 * np.einsum("ki,kij,kj->k", *each) for each in ((a, moments, a), (a, moments, b),
+                                                               (b, moments, b))
+        )  # fmt: skip
+        along = np.sqrt(along)
+        skew /= along
+        across = np.sqrt(np.maximum(across - skew**2, 0.0))
+        both[:, 0], both[:, 1] = along[:, None] * a + skew[:, None] * b, across[:, None] * b
     low = np.minimum.reduceat((surface.middle - surface.half)[flat[order]], begin)
     high = np.maximum.reduceat((surface.middle + surface.half)[flat[order]], begin)
     same = np.minimum.reduceat((surface.normal[flat] * normal[of]).sum(axis=1)[order], begin)

@@ -1,5 +1,6 @@
 """Facets of flat faces that lie on each other are joined: exact weights, loads, the same bits."""
 
+import warnings
 from functools import cache
 
 import numpy as np
@@ -9,6 +10,7 @@ from scenes import SOFT, box, field, scene, start
 from pgimp.kernels.contact.surfaces.data import Patches
 from pgimp.kernels.contact.surfaces.nearest import FLAT
 from pgimp.physics.columns import SURFACE
+from pgimp.solver.contact.surfaces.rectangles import with_wide
 
 pytestmark = pytest.mark.slow(60)
 
@@ -78,6 +80,22 @@ def test_only_what_lies_on_a_plane_is_joined():
     assert wide[on_floor & (edge > 1.0)].all()
     assert wide[between].any()
     assert (table.surface.tip[every["other"][wide & ~on_floor]] & FLAT != 0).all()
+
+
+def test_slivers_without_a_width_are_not_joined():
+    """Cells of a face that is turned may end on its edge, to rounding."""
+    sim, table = at_rest()
+    surface, count = table.surface, len(table.surface.x)
+    flat = (np.ones(count, bool), np.zeros((count, 3)))
+    cell, number = np.array(sim.scene.domain.frame.cell), np.zeros((count, 3), np.int64)
+    _, wide = with_wide(surface, flat, cell, number)
+    sliver = np.flatnonzero(wide == wide.max())[0]  # the first of its joined facet
+    edges = surface.edges.copy()
+    edges[sliver, 1] = 0.0
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        _, found = with_wide(surface._replace(edges=edges), flat, cell, number)
+    np.testing.assert_array_equal(found, np.where(wide == wide.max(), -1, wide))
 
 
 def test_frames_of_surfaces_change_nothing_and_have_the_force():
