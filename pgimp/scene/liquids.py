@@ -1,4 +1,4 @@
-"""What `auto` means for liquids: relaxation of their velocities, and walls that reflect."""
+"""What `auto` means for liquids and gases: relaxation of velocities, walls that reflect."""
 
 from __future__ import annotations
 
@@ -16,6 +16,18 @@ def only_liquids(case: Any) -> list[Any]:
     """Return the bodies' materials if all are liquids, else none."""
     laws = [case.materials[body.material] for body in case.bodies.values()]
     return laws if all(law.LIQUID for law in laws) else []
+
+
+def is_gas(law: Any) -> bool:
+    """Whether a material is a gas: it bears no shear, and does not come to rest."""
+    return bool(law.VOLUME_ONLY and not law.RESTS)
+
+
+def _flow(case: Any) -> tuple[bool, bool]:
+    """Whether all bodies are liquids or gases, and whether all are gases."""
+    laws = [case.materials[body.material] for body in case.bodies.values()]
+    gases = [is_gas(law) for law in laws]
+    return all(gas or law.LIQUID for gas, law in zip(gases, laws, strict=True)), all(gases)
 
 
 def relaxation_rate(case: Any) -> float:
@@ -36,15 +48,17 @@ def relaxation_rate(case: Any) -> float:
 def reflecting(case: Any) -> list[str]:
     """Return the faces that reflect the part of supports beyond them, by name.
 
-    By `auto` those of liquids alone, but not of shapes whose liquids lose nothing there. Nor walls
-    that let go: what they reflect comes and goes, and violent water crowds the more.
+    By `auto` those of liquids and gases alone. But not of shapes whose liquids lose nothing there,
+    nor walls that let go: what they reflect comes and goes, and violent water crowds the more. A
+    gas presses always, and without mirrors its pressure drives eddies out of rounding.
     """
     wall = getattr(case.method, "wall", "ghost")
     auto = wall == "auto"
-    if wall == "ghost" or (auto and (case.method.ends or not only_liquids(case))):
+    fluids, gases = _flow(case)
+    if wall == "ghost" or (auto and not gases and (case.method.ends or not fluids)):
         return []
     return [
         name
         for name, face in case.boundaries.items()
-        if face.mirrors and not (auto and face.releases)
+        if face.mirrors and not (auto and face.releases and not gases)
     ]

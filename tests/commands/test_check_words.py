@@ -160,7 +160,7 @@ def test_what_makes_the_step_short_is_said_and_advice_knows_it(report):
             "x-min reflects; x-max moves as prescribed; y-min lets go; y-max absorbs (wall: auto)",
         ),
         ({"method.shape": "cpdi"}, "do not reflect: cpdi needs no mirrors (wall: auto)"),
-        ({"bodies.rod.material": "soft"}, "do not reflect: 'rod' is no liquid (wall: auto)"),
+        ({"bodies.rod.material": "soft"}, "do not reflect: 'rod' is no liquid or gas (wall: auto)"),
         ({"method.wall": "ghost"}, None), ({"method.wall": "mirror"}, None),
         (
             {"method.wall": "mirror", "boundaries.y-min": {"unilateral": {"friction": 0.2}}},

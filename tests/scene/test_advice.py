@@ -58,6 +58,18 @@ def test_walls_of_liquids():
     assert told(law=SOIL, more=floor) == []
 
 
+def test_gas_that_does_not_rest():
+    """Told with volumes by particle, or beside a wall that does not reflect."""
+    gas, walls = ("ideal-gas", ", gamma: 1.4, energy: 1.0"), "boundaries: {x-min: slip}"
+    (line,) = told(law=gas, more=walls)
+    mentions(line, "block is pointwise", "wall: mirror")
+    assert told(law=gas, volumetric="b-bar", more=walls) == []
+    assert told(law=gas, volumetric="b-bar", more="boundaries: {x-min: absorbing}") == []
+    for more in ("x-min: {velocity: [0.0, null]}", "x-min: {unilateral: {friction: 0.2}}"):
+        (line,) = told(law=gas, volumetric="b-bar", more=f"boundaries: {{{more}}}")
+        mentions(line, "x-min does not reflect")
+
+
 def test_points_that_cross_cells():
     """Told for what moves half a cell in the current configuration, whatever it is made of."""
     fast, slow = "[0.05, 0.0]", "[0.004, 0.0]"

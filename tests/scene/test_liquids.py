@@ -8,6 +8,7 @@ from pgimp.scene.liquids import reflecting, relaxation_rate
 from pgimp.scene.scene import Scene
 
 OIL = {"model": "newtonian", "bulk": 100.0, "shear-viscosity": 0.5, "density": 2.0}
+GAS = {"model": "ideal-gas", "gamma": 1.4, "energy": 1.0, "density": 1.0}
 MUD = {"model": "bingham", "bulk": 100.0, "shear": 50.0, "yield-stress": 0.1} | {
     "shear-viscosity": 0.1, "density": 1.0,
 }  # fmt: skip
@@ -40,6 +41,13 @@ def test_all_liquid():
     assert reflecting(made(OIL, MUD)) and reflecting(made(OIL, wall="auto"))
     assert not reflecting(made(OIL, wall="ghost")) and reflecting(made(SOFT, wall="mirror"))
     assert not reflecting(made(OIL, shape="mpm")) and not reflecting(made(OIL, shape="cpdi"))
+
+
+def test_walls_of_gases():
+    """They reflect, also of `cpdi`; beside a solid, or if the case says so, they do not."""
+    assert reflecting(made(GAS)) and reflecting(made(GAS, OIL))
+    assert reflecting(made(GAS, shape="cpdi")) and not reflecting(made(GAS, OIL, shape="cpdi"))
+    assert not reflecting(made(GAS, SOFT)) and not reflecting(made(GAS, wall="ghost"))
 
 
 def test_beside_a_solid():

@@ -213,7 +213,7 @@ def _choices(
     )
     each = [(body, one, scene) for body, one in zip(facts, initial, strict=True)]
     rules = [rule_of(VOLUMETRIC, "volumetric", it) for it in each] if may[2] else []
-    means = _means(case, open_keys, [rule.value == "b-bar" for rule in rules], found)
+    means = _means(case, open_keys, rules or [VOLUMETRIC[-1]] * len(facts), found)
     scene = scene._replace(means=means)
     for it in each:
         path, rule = ("bodies", it[0].name, "mass"), MASS[0]
@@ -246,18 +246,19 @@ def _whose(rule: Rule, scene: SceneChoice) -> tuple[str, ...]:
 
 
 def _means(
-    case: Case, open_keys: Open, needs: list[bool], found: dict[Path, Choice]
+    case: Case, open_keys: Open, rules: list[Rule], found: dict[Path, Choice]
 ) -> tuple[bool, ...]:
     """Choose mean dilatation by body; which have it.
 
     The method has it where any body needs it, and the others have a word of their own.
     """
-    needs = needs or [False] * len(case.bodies)
+    needs = [rule.value == "b-bar" for rule in rules]
     open_bodies = [name in open_keys.volumes for name in case.bodies]
     of_method = "volumetric" in open_keys.method
-    common = any(n and o for n, o in zip(needs, open_bodies, strict=True))
+    needed = [rule for rule, n, o in zip(rules, needs, open_bodies, strict=True) if n and o]
+    common = bool(needed)
     if of_method:
-        rule = VOLUMETRIC[0 if common else 1]
+        rule = needed[0] if needed else VOLUMETRIC[-1]
         names = tuple(n for n, one in zip(case.bodies, needs, strict=True) if one and common)
         found["method", "volumetric"] = Choice(
             ("method", "volumetric"), rule.value, rule.reason, rule.page,
@@ -266,11 +267,11 @@ def _means(
     else:
         common = case.method.volumetric == "b-bar"
     means = []
-    for (name, body), need, is_open in zip(case.bodies.items(), needs, open_bodies, strict=True):
-        value = common if is_open else has_means(body, case.method)
+    for (name, body), own, is_open in zip(case.bodies.items(), rules, open_bodies, strict=True):
+        value, need = common if is_open else has_means(body, case.method), own.value == "b-bar"
         if is_open and need != common:
-            rule, path = VOLUMETRIC[0 if need else 1], ("bodies", name, "volumetric")
-            found[path] = Choice(path, rule.value, rule.reason, rule.page)
+            path = ("bodies", name, "volumetric")
+            found[path] = Choice(path, own.value, own.reason, own.page)
             value = need
         means.append(value)
     return tuple(means)

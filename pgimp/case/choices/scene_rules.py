@@ -157,10 +157,11 @@ BY_MATERIAL: tuple[Rule, ...] = (
     Rule(
         "wall",
         "auto",
-        "liquids alone: mirrors at walls that hold; else ghosts",
+        "liquids and gases alone: mirrors at walls that hold; else ghosts",
         lambda scene: True,
-        "boxes of liquids that reach past a wall are lost there",
-        "20 periods of sloshing lose 0.05 % of the level, with ghosts 1.1 %",
+        "boxes that reach past a wall are lost there",
+        "20 periods of sloshing lose 0.05 % of the level, with ghosts 1.1 %; a gas at rest in a "
+        "box stays so, see `volumetric`",
         "soils-and-fluids.md#measured",
     ),
 )

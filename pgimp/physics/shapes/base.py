@@ -177,7 +177,8 @@ def beyond_walls(default: str) -> Any:
         default=default,
         description="what happens to the part of a particle beyond a face with a condition: "
         "mirror reflects it, but at faces that move or have friction; ghost gives it to vertices "
-        "beyond the face, where it is lost; auto: mirror where all bodies are liquids, else ghost",
+        "beyond the face, where it is lost; auto: mirror where all bodies "
+        "are liquids or gases, else ghost",
     )
 
 

@@ -8,7 +8,7 @@ from pgimp.scene.checks.facts import BodyFacts
 from pgimp.scene.checks.sanity import strains
 from pgimp.scene.checks.units import in_si
 from pgimp.scene.checks.validity.tearing import stretches
-from pgimp.scene.liquids import reflecting
+from pgimp.scene.liquids import is_gas, reflecting
 from pgimp.scene.scene import Scene
 
 #: Most bodies with lines in a short report.
@@ -50,12 +50,12 @@ def report_materials(case: Case) -> None:
 
 
 def report_walls(case: Case) -> None:
-    """Print which faces reflect liquids, where the case leaves that to pgimp.
+    """Print which faces reflect fluids, where the case leaves that to pgimp.
 
     Besides, which do not though it asks for it, as friction would miss what they press.
     """
     laws = {name: case.materials[body.material] for name, body in case.bodies.items()}
-    solid = [name for name, law in laws.items() if not law.LIQUID]
+    solid = [name for name, law in laws.items() if not (law.LIQUID or is_gas(law))]
     faces = {name: face for name, face in case.boundaries.items() if not face.joins}
     wall = getattr(case.method, "wall", "")
     rough = [name for name, face in faces.items() if face.releases and not face.mirrors]
@@ -65,8 +65,8 @@ def report_walls(case: Case) -> None:
         return
     chosen = reflecting(case)
     if solid:
-        text = f"do not reflect: '{solid[0]}' is no liquid"
-    elif case.method.ends:
+        text = f"do not reflect: '{solid[0]}' is no liquid or gas"
+    elif case.method.ends and not chosen:
         text = f"do not reflect: {case.method.shape} needs no mirrors"
     else:
         text = "; ".join(
@@ -77,7 +77,7 @@ def report_walls(case: Case) -> None:
 
 
 def _why_not(face: Boundary) -> str:
-    """Why a face of liquids does not reflect, in words after its name."""
+    """Why a face of fluids does not reflect, in words after its name."""
     if face.absorbs:
         return "absorbs"
     return "lets go" if face.releases else "moves as prescribed"

@@ -131,7 +131,7 @@ def test_a_body_that_may_come_to_a_wall_that_holds_is_in_the_current_configurati
 
 def test_nearly_incompressible_bodies_have_mean_dilatation():
     soft = {"model": "neo-hookean", "young": 100.0, "density": 1.0}
-    found = [pgimp.load(bare(2, block(), soft | {"poisson": nu})) for nu in (0.3, 0.49)]
+    found = [pgimp.load(bare(2, block(), soft | {"poisson": nu})) for nu in (0.35, 0.4)]
     assert [case.method.volumetric for case in found] == ["pointwise", "b-bar"]
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scenes import SOFT, finish, scene, start
 
+import pgimp
 from pgimp.kernels.data.motion import DISPLACEMENT
 from pgimp.kernels.data.record import RECORD
 from pgimp.solver.lagrangian.masters import Vertices
@@ -201,3 +202,28 @@ def test_spin_momentum_and_energy():
         np.testing.assert_allclose(last[name], first[name], rtol=1e-12)
     energy = [line["kinetic-energy"] + line["strain-energy"] for line in (first, last)]
     np.testing.assert_allclose(*energy, rtol=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("volumetric", "low", "high"), [("pointwise", 0.92, 0.96), ("b-bar", 0.98, 1.02)]
+)
+def test_a_beam_of_rubber_on_few_cells(volumetric, low, high, tmp_path):
+    """Poisson's ratio 0.4, four cells over its height, beside Timoshenko's beam in plane strain."""
+    young, poisson, length, load = 1.0e6, 0.4, 10.0, 10.0
+    case = {
+        "format": 2, "dimensions": 2, "time": {"end": 1.0e-6},
+        "grid": {"size": [12.0, 4.0], "cell": [0.25, 0.25]},
+        "materials": {"rubber": {"model": "neo-hookean", "young": young, "poisson": poisson,
+                                 "density": 1000.0}},
+        "bodies": {"beam": {"material": "rubber", "region": box((0.0, 1.5), (length, 1.0)),
+                            "volumetric": volumetric}},
+        "boundaries": {"x-min": "fixed"}, "start": {"equilibrate": {"tolerance": 1.0e-5}},
+        "tractions": {"end": {"body": "beam", "face": "x-max", "traction": [0.0, -load]}},
+        "probes": {"tip": {"body": "beam", "at": [length - 0.01, 2.0]}},
+    }  # fmt: skip
+    found = -pgimp.run(case, output=tmp_path / "run", quiet=True).probes["tip"]["displacement-y"][
+        -1
+    ]
+    bends = load * length**3 / 3.0 / (young / (1.0 - poisson**2) / 12.0)
+    shears = load * length / (5.0 / 6.0 * young / 2.0 / (1.0 + poisson))
+    assert low < found / (bends + shears) < high
