@@ -72,7 +72,8 @@ class Settle(Model):
         description="at rest is where the sum over the vertices of the magnitude of the unbalanced "
         "force is below this part of twice that of the loads (weight, tractions, given forces), "
         "which is that of a column's loads and of what bears them; or of a hundredth of the forces "
-        "of stresses, if that is more; with body-force, of these [1]",
+        "of stresses, if that is more; with body-force, of these; and where less than ten times "
+        "this part of the way is left [1]",
     )
     steps: Count = Field(
         default=100000,

@@ -174,6 +174,9 @@ def _settle(sim: Simulation, recorder: Recorder, progress: Progress, log: Log, s
 
 
 def _say_settled(sim: Simulation, steps: int, log: Log, what: str = "") -> None:
+    left = sim.left_part
+    if left > 0.01:  # forces alone have decided
+        what = f", while about {left:.1g} of the way may be left{what}"
     log.say(
         f"settled in {steps} steps: the unbalanced force is {sim.unbalanced:.3g} of the "
         f"loads and what bears them{what}"

@@ -43,6 +43,8 @@ class Settings:
         Whether there is damping, in this stage or a previous one.
     settles : bool
         Whether the run comes to rest before time 0, or the stage.
+    flows : bool
+        Whether a body is a liquid, a gas or loose soil, so that it has no stiffness in shear.
     loses : bool
         Whether there may be fewer particles than at the start.
     origins : bool
@@ -78,6 +80,8 @@ class Settings:
         self.loses = self.escapes or bool(case.staged.removed)
         self.damps = case.damping is not None or case.staged.damped or case.rests
         self.settles = case.start.equilibrate is not None
+        laws = [case.materials[body.material] for body in case.bodies.values() if body.material]
+        self.flows = any(law.LIQUID or law.VOLUME_ONLY for law in laws)
         fields = case.output.fields
         self.origins = self.by_vertex or bool(case.exact) or "displacement" in fields
         self.origins |= bool(case.body_force) and case.body_force.initial

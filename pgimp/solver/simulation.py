@@ -17,7 +17,15 @@ from pgimp.solver.reduction import Request, StepReduction
 from pgimp.solver.stages import enter
 from pgimp.solver.start.creation import Creation
 from pgimp.solver.start.particle_errors import Failure, collect_errors
-from pgimp.solver.start.settle import CALM, end_at_rest, is_due, require_rest, unbalanced_part
+from pgimp.solver.start.settle import (
+    CALM,
+    end_at_rest,
+    is_at_rest,
+    is_due,
+    left_part,
+    require_rest,
+    unbalanced_part,
+)
 from pgimp.solver.start.start import Start
 from pgimp.solver.start.validate_stages import absent, look_ahead
 from pgimp.solver.state.progress import SimulationProgress
@@ -52,8 +60,9 @@ class Simulation(SimulationProgress):
         Constant within a stage.
     columns : list of str
         Columns of the history of a run of several stages, the union of theirs; else empty.
-    settling, unbalanced : bool, float
-        Whether the run, or the stage, still comes to rest; the last `unbalanced_part` found.
+    settling, unbalanced, left_part : bool, float, float
+        Whether the run, or the stage, still comes to rest; the last `unbalanced_part` found, and
+        the part of the way that was left then.
     rank, balance : Rank, Balance
         This rank's part, and the load of all.
     done, doing : Step, Step or None
@@ -103,7 +112,7 @@ class Simulation(SimulationProgress):
         self.columns = look_ahead(scenes) if len(scenes) > 1 else []
         self.doing: Step | None = None
         self.failure: Failure | None = None
-        self.unbalanced = nan
+        self.unbalanced, self.left_part = nan, 0.0
         self.calls = calls_of(each, self, state)
         self.request = self.agreed_request = Request.NONE
         self.reduction = StepReduction(comm)
@@ -220,7 +229,9 @@ class Simulation(SimulationProgress):
         self.unbalanced = unbalanced_part(self.rank)
         if self.case.rests:
             self.diagnostic_sums.note_forces(self.rank, self.now)
-        if settle and self.unbalanced < settle.tolerance:
+        self.left_part = left_part(self.rank)
+        steps = self.done.number - self.clock.before
+        if settle and is_at_rest(self.rank, settle, steps, self.unbalanced, self.left_part):
             self.take(end_at_rest(self.now_as_start()))
         else:
             require_rest(self.now_as_start(), self.unbalanced)

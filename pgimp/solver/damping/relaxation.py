@@ -17,6 +17,7 @@ frequency.
 
 from __future__ import annotations
 
+from math import pi, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -55,26 +56,36 @@ class Relaxation(StepPart):
         Steps since the last restart.
     least, steps, restarts : float, int, int
         Least unbalanced part so far; steps and restarts since it was found.
+    way, left : float, float
+        Length of the way so far and of what is left until the motion turns, in the norm of the
+        kinetic energy, times the root of half and over the step.
     """
 
     def __init__(self) -> None:
         self.since, self.least, self.steps, self.restarts = 0, np.inf, 0, 0
+        self.way = self.left = 0.0
 
     @property
     def numbers(self) -> list[float]:
         """The state for a checkpoint."""
         least = self.least if np.isfinite(self.least) else -1.0
-        return [self.since, least, self.steps, self.restarts]
+        return [self.since, least, self.steps, self.restarts, self.way]
 
     @numbers.setter
     def numbers(self, numbers: Sequence[float]) -> None:
         self.least = numbers[1] if numbers[1] >= 0.0 else np.inf
         self.since, self.steps, self.restarts = (int(numbers[i]) for i in (0, 2, 3))
+        self.way = numbers[4] if len(numbers) > 4 else 0.0  # older checkpoints have none
 
     @property
     def cycle(self) -> float:
         """Mean number of steps between restarts, half a period of the motion that is left."""
         return self.steps / max(self.restarts, 1)
+
+    @property
+    def left_part(self) -> float:
+        """Part of the whole way that is left until the motion turns."""
+        return self.left / self.way if self.way else 0.0
 
     @property
     def stagnant(self) -> bool:
@@ -95,11 +106,18 @@ class Relaxation(StepPart):
         of the velocity that it began with: less than that is the work of the unbalanced forces, as
         far as it stays in the motion. In the current configuration some does not: vertices of
         little mass are driven in vain, and their power would hide that of the slow motion.
+
+        The part of v that the forces add in a step tells the way x to the static place: they add
+        w^2 dt x. With n steps since rest w dt is pi/n near the turn, at most.
         """
         now, before = total_sums(rank)[KINETIC_NOW : KINETIC_BEFORE + 1]
         left = (self.since - 2.0) / max(self.since, 1)
         against = self.since > 2 and now < left * left * before
+        self.way += sqrt(now)
+        gain = sqrt(now / before) - left if self.since > 2 and before > 0.0 else 0.0
+        self.left = sqrt(now) * max(gain, 0.0) * (self.since / pi) ** 2
         if against or not self.since:
+            self.left = 0.0
             bring_to_rest(rank)
             self.since, self.restarts = 0, self.restarts + int(against)
 

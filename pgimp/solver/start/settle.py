@@ -9,6 +9,7 @@ from math import fsum, hypot, inf
 
 import numpy as np
 
+from pgimp.case.start import Settle
 from pgimp.errors import NO_REST, NoRestError
 from pgimp.schema.time_functions import TimeFunction
 from pgimp.solver.damping.damping import bring_to_rest, damping_of
@@ -28,6 +29,9 @@ CALM = 20
 
 #: Part of the forces of stresses that counts as load where there is less.
 STRESS_PART = 0.01
+
+#: Part of the whole way that may be left, over the tolerance of forces.
+LEFT = 10.0
 
 
 def is_due(step: int, since: int) -> bool:
@@ -52,6 +56,22 @@ def unbalanced_part(rank: Rank) -> float:
     if not unbalanced > 0.0:
         return 0.0
     return unbalanced / scale if scale > 0.0 else inf
+
+
+def left_part(rank: Rank) -> float:
+    """Part of the whole way that is left until the motion turns; none of what flows without end.
+
+    The sum of forces hardly sees a soft mode beside a stiff one under a greater load.
+    """
+    assert isinstance(rank.damping, Relaxation)
+    return 0.0 if rank.scene.settings.flows else rank.damping.left_part
+
+
+def is_at_rest(rank: Rank, settle: Settle, steps: int, part: float, left: float) -> bool:
+    """Whether forces balance and little of the way is left; forces alone where it does not turn."""
+    assert isinstance(rank.damping, Relaxation)
+    alone = rank.damping.stagnant or steps >= settle.steps
+    return part < settle.tolerance and (alone or left < LEFT * settle.tolerance)
 
 
 def _loads(rank: Rank) -> float | None:

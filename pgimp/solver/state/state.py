@@ -61,7 +61,7 @@ class State(BaseModel):
     each: dict[str, dict[str, Any]] | None = None
     changed: float = 0.0
     settling_time: float = Field(ge=0.0, default=0.0)
-    relaxation: list[float] | None = Field(default=None, min_length=4, max_length=4)
+    relaxation: list[float] | None = Field(default=None, min_length=4, max_length=5)
     initial_losses: list[float] = Field(
         default=[0.0] * len(LOSSES), min_length=len(LOSSES), max_length=len(LOSSES)
     )

@@ -78,6 +78,23 @@ def strut(kind, configuration):
     return case, 0.5 * pi * sqrt(stiff / RUBBER["density"]), 1e-4, "b"
 
 
+def column(kind, configuration):
+    """Ten times as high as thick, under half of Euler's load and a small one across."""
+    body = {"material": "m", "formulation": configuration,
+            "region": lying(kind, (0.5, 0.6), (0.0, 1.0), (0.0, 0.025))}  # fmt: skip
+    stiffness = plate_modulus(RUBBER) * 0.1**2 / 12.0
+    push = 0.5 * 0.25 * pi**2 * stiffness
+    loads = {"end": ("y-max", [0.0, -push]), "side": ("x-min", [5e-4 * push, 0.0])}
+    case = assembled(
+        kind, (1.1, 1.2), 0.025, {"m": RUBBER}, {"b": body}, {"low": "fixed"}, (0.0, 0.0),
+        tractions={
+            name: {"body": "b", "face": face, "traction": load}
+            for name, (face, load) in loads.items()
+        },
+    )  # fmt: skip
+    return case, 3.516 * sqrt(0.5 * stiffness / RUBBER["density"]), 1e-4, "b"
+
+
 def cantilever(kind, configuration):
     """Ten times as long as high, four cells, under a pressure on its upper face."""
     body = {"material": "m", "formulation": configuration,
@@ -149,6 +166,7 @@ BOTH, ALL = ("initial", "current"), ("2D", "3D", "rings")
 #: Scenes, their dimensions and configurations.
 SCENES = {
     "strut 10:1, weight and pressure on its end": (strut, ALL, BOTH),
+    "column 10:1, half of Euler's load, a little across": (column, ALL[:1], BOTH),
     "cantilever 10:1, pressure": (cantilever, ALL[:2], BOTH),
     "plate, weight and pressure": (plate, ALL, BOTH),
     "beam CSM1 of Turek and Hron": (turek, ALL[:2], BOTH),
