@@ -107,7 +107,9 @@ def energy_book(history: Array) -> EnergyBook | None:
     scale = float(np.nanmax(np.abs(np.concatenate([supplied, present]))))
     motion = _known(kinetic)
     moved = float(motion[0] + np.maximum(np.diff(motion), 0.0).sum())
-    behind = 0.5 * np.asarray(history["dt"]) * _slope(motion, np.asarray(history["time"]))
+    behind = np.zeros(len(history))
+    if "dt" in names:
+        behind = 0.5 * np.asarray(history["dt"]) * _slope(motion, np.asarray(history["time"]))
     return EnergyBook(given, stored, taken, scale, moved, behind) if scale > 0.0 else None
 
 
