@@ -165,7 +165,7 @@ def judged(kept: Kept, name: str, problem: Problem) -> Result | None:
     if auto is None or auto[0] is None or not sound:
         return None
     error, seconds, _ = auto
-    best = min(sound, key=lambda way: sound[way][:2])
+    best = min(sound, key=lambda way: tuple(sound[way][:2]))
     good = [way for way, found in sound.items() if _much(found[0]) <= 1.2 * _much(error)]
     rival = min(good, key=lambda way: sound[way][1], default=best)
     return Result(
