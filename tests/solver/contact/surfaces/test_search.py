@@ -100,6 +100,18 @@ def fork(length, width, slot, courant, end, left=3.083, velocity=None, per_cell=
     )  # fmt: skip
 
 
+def side_by_side(usual, other):
+    """Steps of two runs, the other of which searches in each: whether the first did, searches."""
+    watched = None
+    while not usual.finished:
+        usual.advance()
+        other.rank.contact.proximity.restart()
+        other.advance()
+        every, now = (sim.rank.contact.proximity for sim in (usual, other))
+        yield every._watched is not watched, every, now
+        watched = every._watched
+
+
 @pytest.mark.parametrize(
     ("meet", "most"), [(corner, 0.0), (lambda: fork(7.77, 1.72, 2.32, 0.231, 0.6), 1e-8)]
 )
@@ -107,10 +119,8 @@ def test_nothing_depends_on_when_the_search_is(meet, most):
     """But for which of two facets beside a place is next to it, where a face has a kink."""
     whole, other = meet(), meet()
     before = field(whole, "v").copy()
-    while not whole.finished:
-        whole.advance()
-        other.rank.contact.proximity.restart()
-        other.advance()
+    for _ in side_by_side(whole, other):
+        pass
     assert np.abs(field(whole, "v") - before).max() > 1.0  # they have met
     np.testing.assert_allclose(field(whole, "x"), field(other, "x"), rtol=0.0, atol=most)
 
@@ -124,13 +134,9 @@ def test_what_turns_is_searched_for_before_it_faces_others():
     lifts = {"table": [[0.0, [0.0, -2.84]], [0.77007, [0.0, -2.84]], [0.92408, [0.0, 2.84]]]}
     make = partial(fork, *size, 0.154, 1.232, 2.786, lifts, per_cell=[3, 2], rough=0.2)
     usual, other = make(), make()
-    searches, touched, watched = 0, 0, None
-    while not usual.finished:
-        usual.advance()
-        other.rank.contact.proximity.restart()
-        other.advance()
-        every, now = (sim.rank.contact.proximity for sim in (usual, other))
-        searches, watched = searches + (every._watched is not watched), every._watched
+    searches, touched = 0, 0
+    for searched, every, now in side_by_side(usual, other):
+        searches += searched
         known = set(every.candidates[["facet", "body"]].tolist())
         meet = now.candidates[now.candidates["gap"] < 0.02]
         touched += len(meet)
@@ -152,13 +158,9 @@ def test_what_a_floor_squashes_is_hardly_searched_for():
 
     usual, other = make(), make()
     height = np.ptp(field(usual, "x")[:, 2])
-    searches, touched, watched, least = 0, 0, None, height
-    while not usual.finished:
-        usual.advance()
-        other.rank.contact.proximity.restart()
-        other.advance()
-        every, now = (sim.rank.contact.proximity for sim in (usual, other))
-        searches, watched = searches + (every._watched is not watched), every._watched
+    searches, touched, least = 0, 0, height
+    for searched, every, now in side_by_side(usual, other):
+        searches += searched
         least = min(least, np.ptp(field(usual, "x")[:, 2]))
         patch = usual.rank.contact.known(usual.rank).every.patch
         known = set(patch[every.candidates["facet"]].tolist())
